@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: check test test-all test-quick snapshots docs run measure
+.PHONY: check test test-all test-quick snapshots docs site run measure dist
 
 $(VENV)/ready: pyproject.toml
 	python3 -m venv $(VENV)
@@ -14,6 +14,8 @@ check: $(VENV)/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy --strict
+	$(BIN)/mypy --strict --platform win32 --cache-dir .mypy_cache/win32
+	$(BIN)/mypy --strict --platform darwin --cache-dir .mypy_cache/darwin
 	$(BIN)/lint-imports
 	$(BIN)/python tests/prose.py --check
 
@@ -39,9 +41,20 @@ snapshots: $(VENV)/ready
 docs: $(VENV)/ready
 	$(BIN)/python docs/generate.py
 
+# The documentation as a site, in site/: nothing in it comes from elsewhere
+site: $(VENV)/ready
+	$(BIN)/python docs/build_site.py
+
 run: $(VENV)/ready
 	$(BIN)/rl-tui
 
 # The timings that docs/internals/measured.md quotes; figures, not tests
 measure: $(VENV)/ready
 	$(BIN)/python tests/measure.py
+
+# Wheel and sdist, with the time of the last commit in place of now: the same bytes on every machine
+dist: export SOURCE_DATE_EPOCH := $(shell git log -1 --format=%ct)
+dist: $(VENV)/ready
+	rm -rf dist
+	$(BIN)/python -m build
+	$(BIN)/twine check --strict dist/*

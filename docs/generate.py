@@ -11,13 +11,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import redirect_stdout
 from inspect import cleandoc
-from io import StringIO
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from textwrap import fill
 from typing import NamedTuple
 
 import click
+from python_reference import python_api
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
@@ -42,6 +43,7 @@ from rl_tui.worlds.files.catalogue import scenarios as read_scenarios
 from rl_tui.worlds.files.catalogue import shipped_folder
 
 FOLDER = Path(__file__).parent
+SETTING_HEADS = ("option", "symbol", "values", "default", "meaning")
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 LISTS = {Place.CATALOGUE: "Start screen", Place.LESSONS: "List of lessons"}
 PLACES = {Place.LESSONS | Place.PLAYGROUND: "(list of lessons too)", Place.EVERY: "(everywhere)"}
@@ -56,6 +58,15 @@ PICTURES = {
     "drawing.svg": ("screenshot", "maze", "--keys", "wait:3000,w,d,right,right,H,s,down,number_sign"),
     "figure-8.2.svg": ("figure", "8.2"),
     "own-code.svg": ("screenshot", "--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,a,f"),
+    "recordings/watch-it-learn.cast": ("record", "--size", "80x24", "--keys", "3s,2,17s,space,2s"),
+    "recordings/watch-a-script.cast": (
+        *("record", "--watch", str(FOLDER / "lake.py"), "--size", "100x30"),
+        *("--keys", "1s,s,1s,s,1s,space,4s,+,1s,+,1s,+,1s,+,3s,space,1s,a,f,4s"),
+    ),
+    "recordings/draw-a-wall.cast": (
+        *("record", "maze", "--size", "80x24"),
+        *("--keys", "0s,wait:3000,1s,+,0s,space,2s,w,d,1s,right,right,#,1s,down,#,1s,esc,+,8s"),
+    ),
 }
 
 
@@ -68,7 +79,9 @@ class Option(NamedTuple):
 
 
 def main() -> None:
-    """Write what the program would now write otherwise, and print its path; pictures are for looking at."""
+    """Write what the program would now write otherwise, and print its path; pictures and recordings are for
+    looking at.
+    """
     for name in PICTURES:
         if _write(FOLDER / name, drawn(name)):
             print(f"{FOLDER / name}: the picture changed; look at it before you keep it")
@@ -81,6 +94,7 @@ def _write(path: Path, text: str) -> bool:
     """Write ``text`` unless the file has it already; return whether it was written."""
     if path.exists() and path.read_text(encoding="utf-8") == text:
         return False
+    path.parent.mkdir(exist_ok=True)
     path.write_text(text, encoding="utf-8")
     return True
 
@@ -91,11 +105,26 @@ def renewed(text: str) -> str:
 
 
 def drawn(picture: str) -> str:
-    """Return that one of ``PICTURES`` as SVG."""
-    with TemporaryDirectory() as folder, redirect_stdout(StringIO()):  # what a command says is for people
-        path = Path(folder, picture)
-        program([*PICTURES[picture], "--out", str(path)], standalone_mode=False)
+    """Return that one of ``PICTURES`` as SVG, or as a recording."""
+    return picture_of(*PICTURES[picture], name=Path(picture).name)
+
+
+def picture_of(*command: str, name: str = "picture.svg") -> str:
+    """Return the SVG or recording that a command of rl-tui writes to the file `name`."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder, name)
+        printed(*command, "--out", str(path))
         return path.read_text(encoding="utf-8")
+
+
+def printed(*command: str) -> str:
+    """Return what a command of rl-tui prints."""
+    text = BytesIO()
+    stdout = TextIOWrapper(text, encoding="utf-8")  # arrows need an encoding that has them
+    with redirect_stdout(stdout) as output:
+        program([*command], standalone_mode=False)
+        output.flush()
+        return text.getvalue().decode()
 
 
 def keys() -> str:
@@ -103,7 +132,16 @@ def keys() -> str:
     rows: list[tuple[str, ...]] = []
     for group in dict.fromkeys(_group(action) for action in ACTIONS):
         rows += [(f"**{group}**", "", ""), *(_key_row(each) for each in ACTIONS if _group(each) == group)]
-    return _table(("key", "name", "what it does"), rows)
+    return table(("key", "name", "what it does"), rows)
+
+
+def cheat_sheet() -> str:
+    """Return every key with its name only, short enough for one sheet of paper."""
+    parts = []
+    for group in dict.fromkeys(_group(action) for action in ACTIONS):
+        named = [f"* `{each.shown}` {each.label}" for each in ACTIONS if _group(each) == group]
+        parts.append("\n".join([f"**{group}**", "", *named]))
+    return "\n\n".join(parts)
 
 
 def drawing_keys() -> str:
@@ -116,7 +154,7 @@ def drawing_keys() -> str:
             (f"**{title}**", "", ""),
             *((f"`{tool.shown}`", tool.label, tool.help) for tool in each),
         ]
-    return _table(("key", "name", "what it does"), rows)
+    return table(("key", "name", "what it does"), rows)
 
 
 def _group(action: Action) -> str:
@@ -137,7 +175,7 @@ def scenarios() -> str:
             limit = str(world["time_limit"] or "none")
             sizes = str(world["states"]), str(world["actions"]), limit
             rows.append((f"`{scenario.id}`", scenario.title, *sizes, scenario.summary))
-    return _table(("id", "title", "states", "actions", "limit", "what it is"), rows)
+    return table(("id", "title", "states", "actions", "limit", "what it is"), rows)
 
 
 def lessons() -> str:
@@ -153,14 +191,14 @@ def lessons() -> str:
         )
         for each in shipped_lessons()
     ]
-    return _table(("id", "title", "core", "minutes", "tasks", "what it is about"), rows)
+    return table(("id", "title", "core", "minutes", "tasks", "what it is about"), rows)
 
 
 def measures() -> str:
     """Return what can be measured of a run, a table for each kind; settings are named by their options."""
     parts = []
     for kind in MeasureKind:
-        parts.append(f"**{_capital(kind)}**")
+        parts.append(f"**{capital(kind)}**")
         if kind is MeasureKind.SETTING:
             parts.append(
                 "`algorithm`, and every setting by its name in JSON: [settings](agents.md#settings)."
@@ -172,9 +210,9 @@ def measures() -> str:
             if each.kind is kind
         ]
         if any(needs for _, needs, _ in rows):
-            parts.append(_table(("measure", "keys", "meaning"), rows))
+            parts.append(table(("measure", "keys", "meaning"), rows))
         else:
-            parts.append(_table(("measure", "meaning"), [(name, meaning) for name, _, meaning in rows]))
+            parts.append(table(("measure", "meaning"), [(name, meaning) for name, _, meaning in rows]))
     return "\n\n".join(parts)
 
 
@@ -202,10 +240,10 @@ def policies() -> str:
 
 
 def _described(each: Algorithm | Policy, settings: Iterable[str]) -> str:
-    facts = [f"`{each.id}`", each.source, *(f"`{_option(name)}`" for name in settings)]
+    facts = [f"`{each.id}`", each.source, *(f"`{option_name(name)}`" for name in settings)]
     if isinstance(each, Policy) and each.bandits_only:
         facts.append("for bandits only")
-    return f"### {each.name}\n\n{_sentence(each.summary)}\n\n    {each.equation}\n\n{' · '.join(facts)}"
+    return f"### {each.name}\n\n{sentence(each.summary)}\n\n    {each.equation}\n\n{' · '.join(facts)}"
 
 
 def glossary() -> str:
@@ -226,24 +264,25 @@ def _source(book: str) -> str:
         return paper[1] if paper else ""
     place, _, _ = book.partition(" (")
     place = re.sub(r"sections? (?=\d)", "§", place)
-    return _capital(re.sub(r"equations? ([\d.]+\d(?: and [\d.]+\d)?)", r"(\1)", place))
+    return capital(re.sub(r"equations? ([\d.]+\d(?: and [\d.]+\d)?)", r"(\1)", place))
 
 
 def settings() -> str:
-    """Return every hyper-parameter with what it may be, in the sections of the help of a command."""
+    """Return every hyperparameter with what it may be, in the sections of the help of a command."""
     parts = []
     for title in TITLES:
-        rows = [_setting_row(each) for each in PARAMETERS.values() if section_of(each.name) == title]
+        rows = [setting_row(each) for each in PARAMETERS.values() if section_of(each.name) == title]
         if rows:
-            parts += [f"### {title}", _table(("option", "sign", "values", "default", "meaning"), rows)]
+            parts += [f"### {title}", table(SETTING_HEADS, rows)]
     return "\n\n".join(parts)
 
 
-def _setting_row(parameter: Parameter) -> tuple[str, ...]:
+def setting_row(parameter: Parameter) -> tuple[str, ...]:
+    """Return the row of a hyperparameter, as ``SETTING_HEADS`` names its cells."""
     symbol = "" if parameter.symbol == parameter.name else parameter.symbol
     default = f"{Hyperparameters().value(parameter.name)}"
     values = parameter.expected.replace(" or ", ", ")
-    return f"`{_option(parameter.name)}`", symbol, values, default, parameter.help
+    return f"`{option_name(parameter.name)}`", symbol, values, default, parameter.help
 
 
 def commands() -> str:
@@ -314,7 +353,8 @@ def run_measures() -> str:
 def sweep_measures() -> str:
     """Return the measures of a sweep: in full those that a run does not have."""
     shared = ", ".join(f"`{each}`" for each in SWEEP_MEASURES if each not in SWEEPS_ONLY)
-    return f"{_measures(SWEEPS_ONLY)}\n\n{_wrapped(f'As of [a run](commands.md#train): {shared}.')}"
+    others = _wrapped(f"The other metrics are those of [a run](commands.md#train): {shared}.")
+    return f"{_measures(SWEEPS_ONLY)}\n\n{others}"
 
 
 def _measures(names: Iterable[str]) -> str:
@@ -324,7 +364,7 @@ def _measures(names: Iterable[str]) -> str:
         (f"`{each.id}`", each.unit, better[each.larger_is_better], each.formula.replace("|", "\\|"))
         for each in (MEASURES[name] for name in names)
     ]
-    return _table(("id", "in", "better is", "what it is"), rows)
+    return table(("id", "in", "better is", "what it is"), rows)
 
 
 def sweep_schema() -> str:
@@ -332,19 +372,22 @@ def sweep_schema() -> str:
     return f"```sql\n{SCHEMA.strip()}\n```"
 
 
-def _option(name: str) -> str:
+def option_name(name: str) -> str:
+    """Return the option of a hyperparameter, as it is typed."""
     return f"--{name.replace('_', '-')}"
 
 
-def _sentence(text: str) -> str:
-    return f"{_capital(text)}."
+def sentence(text: str) -> str:
+    """Return ``text`` with a capital letter and a full stop."""
+    return f"{capital(text)}."
 
 
-def _capital(text: str) -> str:
+def capital(text: str) -> str:
+    """Return ``text`` with a capital letter."""
     return f"{text[0].upper()}{text[1:]}"
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a Markdown table whose columns, but for the last, are as wide as their widest cell."""
     widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)][:-1]
     ruler = [*("-" * width for width in widths), "---"]
@@ -357,8 +400,8 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 BLOCKS = {
     made.__name__: made
     for made in (
-        *(keys, drawing_keys, glossary, scenarios, lessons, measures, figure_functions),
-        *(algorithms, policies, settings, commands, run_measures, sweep_measures, sweep_schema),
+        *(keys, cheat_sheet, drawing_keys, glossary, scenarios, lessons, measures, figure_functions),
+        *(algorithms, policies, settings, commands, run_measures, sweep_measures, sweep_schema, python_api),
     )
 }
 

@@ -1,9 +1,9 @@
 """rl-tui: watch a tabular reinforcement-learning agent learn, in any terminal.
 
 From Python: :func:`train`, :func:`solve`, :func:`evaluate` and :func:`scenarios` do what the commands do, and
-return figures and arrays. What the user can mend is raised as :class:`Error`, in one line. With Gymnasium,
-``import rl_tui`` makes every shipped scenario one of its environments: ``rl_tui/NAME-v0``. Nothing else is
-imported before it is needed.
+return numbers and arrays. An error that the user can fix is raised as :class:`Error`, in one line. After
+``import rl_tui``, Gymnasium has every shipped scenario as ``rl_tui/NAME-v0``. Other modules are imported when
+they are needed.
 """
 
 from rl_tui.common.after_import import after_import
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rl_tui.commands.python.training import train
     from rl_tui.common.errors import UserError as Error
 
-__version__ = "0.2.0"
+__version__ = "1.0.0"
 __all__ = ["Error", "__version__", "evaluate", "scenarios", "solve", "train"]
 
 _PLACES = {

@@ -1,4 +1,4 @@
-"""Groups of tests that share a process, the choice among tests, and their surroundings."""
+"""The groups, choice and surroundings of tests."""
 
 from __future__ import annotations
 
@@ -41,6 +41,7 @@ from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
 from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import UNLIMITED, Learner
+from rl_tui.common.packages import is_installed
 from rl_tui.live.pace import interpreter
 from rl_tui.runs.background import background
 
@@ -72,7 +73,6 @@ if "textual.constants" in sys.modules:  # the plugin for pictures came first
 
 @pytest.fixture(autouse=True, scope="session")
 def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Give tests and their programs the same surroundings on every machine and in every terminal."""
     folder = tmp_path_factory.getbasetemp()
     before = locale.setlocale(locale.LC_CTYPE)
     with pytest.MonkeyPatch.context() as patch:
@@ -94,7 +94,6 @@ def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[N
 
 @pytest.fixture(autouse=True)
 def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Give each test, and the programs it starts, a session folder of its own."""
     folder = tmp_path_factory.getbasetemp() / "sessions" / str(next(_TESTS))
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
@@ -109,8 +108,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Register the kinds, and let hypothesis try the same examples in every run, without a deadline.
 
-    A change is then judged by its own effects. ``--hypothesis-profile=default`` tries other examples. Nothing
-    is saved, so the folder may be read-only.
+    ``--hypothesis-profile=default`` tries other examples. Nothing is saved, so the folder may be read-only.
     """
     for line in (
         *(f"{kind}: {meaning}" for kind, meaning in KINDS.items()),
@@ -136,21 +134,25 @@ def pytest_sessionstart() -> None:
 
 
 def pytest_collection() -> None:
-    """Turn the garbage collector off during collection: it finds nothing and took a quarter of the time."""
+    """Collection leaves no garbage, but the collector took a quarter of its time."""
     gc.disable()
 
 
 def pytest_collection_finish() -> None:
-    """Collect garbage less often: scanning the libraries' objects took a sixth of the time."""
+    """Scanning the libraries' objects for garbage took a sixth of the time."""
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
     gc.enable()
 
 
+def pytest_unconfigure() -> None:
+    """Collect garbage once: pytest does it five times, each half a second over all that tests left."""
+    gc.collect()
+    gc.freeze()
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    """Stop a test that hangs, so that the others run and its report shows where it hung."""
-
     def end(*_: object) -> NoReturn:
         raise TimeoutError(f"{item.nodeid} took longer than {_LONGEST_TEST} s")
 
@@ -187,7 +189,6 @@ def _what_is_loaded_stays_frozen(request: pytest.FixtureRequest, monkeypatch: py
 
 @pytest.fixture
 def processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
-    """The processes for background questions, noted when they begin."""
     started: list[subprocess.Popen[bytes]] = []
     start = background.python_process
 
@@ -206,17 +207,14 @@ def real_collections() -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def _what_all_share_is_compiled() -> None:
-    compile_here(SHARED)  # one process at a time, so that the others find it
+    if is_installed("numba"):
+        compile_here(SHARED)  # one process at a time, so that the others find it
 
 
 @pytest.fixture(autouse=True)
 def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Compile a loop after many steps, or read it from the cache, unless a test says otherwise.
-
-    Compiling takes as long as about 300,000 interpreted steps, and the bits are equal. Child processes do as
-    the program does.
-    """
-    if request.node.get_closest_marker("interpreted"):
+    """Compile a loop only after many steps: it takes as long as 300,000 interpreted ones."""
+    if request.node.get_closest_marker("interpreted") or not is_installed("numba"):
         return
     most = 0 if request.node.get_closest_marker("compiled") else _STEPS_INTERPRETED
     take, compile_loop = Learner._advance, Learner.compile
@@ -250,7 +248,6 @@ def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pyte
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Skip files without tests about the subject: collecting all of them takes many seconds."""
     subject = config.option.subject
     is_test = collection_path.name.startswith("test_") and collection_path.suffix == ".py"
     return True if subject and is_test and not may_be_about(collection_path, subject) else None
@@ -260,8 +257,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark each test with its kind, leave out tests not asked for, and group tests by process.
 
-    The tests of an algorithm share a process, which compiles its loop once. So do the other tests of a file.
-    A file may name another group, to share it with other files.
+    The tests of an algorithm share a process, which compiles its loop once, and so do the other tests of a
+    file.
     """
     for item in items:
         if not any(item.get_closest_marker(kind) for kind in KINDS):

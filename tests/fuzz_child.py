@@ -1,7 +1,4 @@
-"""A user's actions on a file, in a process that may die of it: a child of fuzz.py.
-
-``python tests/fuzz_child.py KIND SEED FIRST COUNT SCREENS`` prints a line before and after each input.
-"""
+"""A user's actions on a file, in a child process of fuzz.py."""
 
 from __future__ import annotations
 
@@ -35,12 +32,12 @@ MOST_MEMORY: Final = 700  # MB that one input may add to the process
 WARNED: Final = re.compile(
     r"--[\w-]+ has no effect: |the budget of this bandit is "
     r"|.*: warning: state .* can never reach a terminal state"
-    r"|.*: warning: (with what (SARSA|Q-learning) learns, |in a trial of SARSA episode \d)"
+    r"|.*: warning: (after (SARSA|Q-learning) has learned, |in a trial of SARSA, episode \d)"
     r"|[\d,]+ states: the exact values|.*: Q differs from the saved one: "
 )
 FAULT: Final = re.compile(
-    r"^(:\d+)?: (.*(found .*|missing); expected |line \d+(, column \d+)?: not valid TOML \(.+\)$"
-    r"|more than \d+ errors: fix these first$)"
+    r"^(:\d+)?: (.+; [a-z]|line \d+(, column \d+)?: not valid TOML \(.+\)$"
+    r"|more than \d+ errors; fix these first$)"
 )
 AS_IT_IS: Final = (
     10  # one in this many scenarios trains with its own algorithm, which takes seconds to compile
@@ -60,8 +57,6 @@ KEYS: Final = [
 
 
 class Ended(NamedTuple):
-    """The end of a command: its status and output."""
-
     status: int
     out: str
     err: str
@@ -72,7 +67,6 @@ class FoundError(Exception):
 
 
 def main() -> None:
-    """Try the inputs given by the arguments."""
     kind, (seed, first, count, screens) = sys.argv[1], map(int, sys.argv[2:6])
     quick = "quick" in sys.argv
     report = sys.stdout
@@ -91,14 +85,13 @@ def main() -> None:
 
 
 def _import_all(screens: int) -> None:
-    """Import the modules for the inputs, then limit the process to two more gigabytes."""
     import gymnasium  # noqa: F401
 
     from rl_tui.runs.figures import training_figures  # noqa: F401
 
     if screens:
         from rl_tui.screen.app.screenshot import screenshot  # noqa: F401
-    size = int(re.search(r"VmSize:\s+(\d+)", Path("/proc/self/status").read_text())[1]) << 10  # type: ignore[index]
+    size = int(re.search(r"VmSize:\s+(\d+)", Path("/proc/self/status").read_text(encoding="utf-8"))[1]) << 10  # type: ignore[index]
     resource.setrlimit(resource.RLIMIT_AS, (size + ADDRESS_SPACE, size + ADDRESS_SPACE))
 
 
@@ -198,7 +191,6 @@ def _session(path: Path, quick: bool, screen: int | None) -> str:
 
 
 def _shown(start: Any, number: int) -> None:
-    """Draw the playground of ``start`` on a screen of some size, after some keys."""
     import random
 
     from rl_tui.common.errors import UserError
@@ -213,7 +205,6 @@ def _shown(start: Any, number: int) -> None:
 
 
 def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
-    """Call ``do`` and return its output on stdout and stderr."""
     kept = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in kept)
     try:
@@ -225,7 +216,6 @@ def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
 
 
 def _run_command(arguments: list[str], path: Path) -> Ended:
-    """Run a command; raise FoundError if it does not end as a command must."""
     from rl_tui.commands.main import program
 
     status = 0
@@ -270,7 +260,6 @@ def _refuse(name: str) -> None:
 
 
 def _kind_of(message: str) -> str:
-    """Return the kind of a refusal, without the content of the file."""
     line = message.splitlines()[0].split("mine.", 1)[-1]
     line = re.sub(r'"[^"]*"', '""', line)
     line = re.sub(r"[-+]?\d[\d,.e+]*", "0", line)

@@ -1,7 +1,6 @@
 """Print the memory of a kiosk after much abuse: ``python tests/kiosk_memory.py [ROUNDS] | cat``.
 
-The pipe is needed: a kiosk writes to no file. Every round opens and closes dialogs, takes steps by hand and
-moves sliders. It also forks branches, adds runs, runs at full speed and changes the scenario.
+The pipe is needed: a kiosk writes to no file.
 """
 
 from __future__ import annotations
@@ -35,14 +34,14 @@ LANES = ("c", "a", "down", "enter")
 
 
 def memory() -> tuple[float, float]:
-    """Return resident memory and writable data of this process, MB."""
-    fields = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
+    fields = dict(
+        line.split(":", 1) for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
+    )
     resident, data = (int(fields[name].split()[0]) / 1024 for name in ("VmRSS", "VmData"))
     return resident, data
 
 
 async def abuse(rounds: int) -> None:
-    """Start the program without a terminal, and misuse it."""
     from rl_tui.screen.app.app import RlTuiApp
     from rl_tui.screen.app.display import Display
 

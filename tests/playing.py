@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
@@ -25,8 +26,6 @@ _COMPILED: Final = tuple(str(_PACKAGE / "agents" / each) for each in ("algorithm
 
 
 class Ticking:
-    """A clock on which everything takes a while. This causes many checkpoints, and jumps in several parts."""
-
     def __init__(self) -> None:
         self.now = 0.0
 
@@ -54,26 +53,28 @@ def do(playback: Playback, *commands: Command) -> Snapshot:
 
 
 def note_function(found: set[tuple[str, str]], frame: FrameType, event: str, _: object = None) -> None:
-    """Add the called function of the program, as (file, name).
-
-    Kernels, lambdas, comprehensions and generated methods of dataclasses do not count.
-    """
+    """Leave out kernels, lambdas, comprehensions and generated methods of dataclasses."""
     code = frame.f_code
     is_ours = code.co_filename.startswith(str(_PACKAGE)) and not code.co_filename.startswith(_COMPILED)
     if event == "call" and is_ours and not code.co_name.startswith("<"):
         found.add((code.co_filename, code.co_qualname))
 
 
-def functions_of(playback: Playback, command: Command) -> set[tuple[str, str]]:
-    """Return the functions of the program that run for ``command`` and its snapshot."""
+def functions_in(call: Callable[[], object]) -> set[tuple[str, str]]:
+    """Return the functions of the program that run for ``call``."""
     found = set[tuple[str, str]]()
     before = sys.getprofile()
     sys.setprofile(partial(note_function, found))
     try:
-        do(playback, command)
+        call()
     finally:
         sys.setprofile(before)
     return found
+
+
+def functions_of(playback: Playback, command: Command) -> set[tuple[str, str]]:
+    """Return the functions of the program that run for ``command`` and its snapshot."""
+    return functions_in(partial(do, playback, command))
 
 
 def bits(value: Any) -> Any:
@@ -85,7 +86,6 @@ def bits(value: Any) -> Any:
 
 
 def stand(run: Run) -> Any:
-    """The complete state of a run."""
     learner = run.learner
     known = [learner.q, learner.visits, learner.counters, run.results]
     known += [learner.algorithm, learner.hyperparameters, run.journal, run.stop_reason, run.over]
@@ -93,7 +93,6 @@ def stand(run: Run) -> Any:
 
 
 def assert_true_to_the_record(playback: Playback) -> None:
-    """Assert that every run equals the straight replay of its recipe and journal."""
     record = playback.record
     for number, lane in enumerate(record.lanes):
         playback.handle(ChooseLane(number))
@@ -105,5 +104,4 @@ def assert_true_to_the_record(playback: Playback) -> None:
 
 
 def busy(playback: Playback) -> bool:
-    """Whether most commands have to wait."""
     return not playback.takes(Step())

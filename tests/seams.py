@@ -1,4 +1,4 @@
-"""Access to an app for tests. It also holds every private name that tests need, each once."""
+"""Access to an app for tests, with all private names."""
 
 from __future__ import annotations
 
@@ -31,30 +31,25 @@ AnyWidget = TypeVar("AnyWidget", bound=Widget)
 
 
 def notes(app: App[Any]) -> list[str]:
-    """The visible messages, oldest first."""
     assert isinstance(app, RlTuiApp)
     return app.messages.texts
 
 
 def screen_text(app: App[Any]) -> str:
-    """All text on screen, row by row."""
     return "\n".join(strip.text for strip in app.screen._compositor.render_strips())
 
 
 def playground(pilot: Pilot[Any]) -> Playground:
-    """The playground, perhaps beneath a dialog."""
     return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
 
 
 def snapshot(pilot: Pilot[Any]) -> Snapshot:
-    """The playground's current snapshot."""
     shown = playground(pilot).snapshot
     assert shown is not None
     return shown
 
 
 def slider(app: App[Any], name: str) -> Slider:
-    """The slider of the hyper-parameter ``name``."""
     return app.screen.query_one(f"#{name}", Slider)
 
 
@@ -62,7 +57,7 @@ def slider(app: App[Any], name: str) -> Slider:
 
 
 def app_at(start: object = None, **options: Any) -> RlTuiApp:
-    """An app that begins with ``start``. It takes steps only on request."""
+    """An app that takes steps only on request."""
     app = RlTuiApp(
         Display(fps=1000.0), start, make_player=partial(Player, automatic=False), picture=True, **options
     )
@@ -74,14 +69,16 @@ def app_at(start: object = None, **options: Any) -> RlTuiApp:
 async def on_screen(
     app: App[Any], size: tuple[int, int] = (80, 24), **options: Any
 ) -> AsyncIterator[Pilot[Any]]:
-    """Run ``app`` in a terminal of ``size`` columns and rows, and wait for its first drawing."""
+    """The last screen is drawn, whether the test looks or not."""
     async with app.run_test(size=size, **options) as pilot:
         await settle(pilot)
         yield pilot
+        if app.screen_stack:
+            screen_text(app)
 
 
 async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
-    """Press ``keys``, each after the previous one is done and drawn; return the playground's snapshot."""
+    """Press ``keys``, each after the previous one is done and drawn."""
     for key in keys:
         await pilot.press(key)
         await settle(pilot)
@@ -89,25 +86,22 @@ async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
 
 
 async def tap(pilot: Pilot[Any], *keys: str) -> None:
-    """Press ``keys`` without a wait between them and return once their effects are drawn."""
+    """Press ``keys`` without a wait between them."""
     await pilot.press(*keys)
     await settle(pilot)
 
 
 async def click(pilot: Pilot[Any], *where: Any, **offset: Any) -> None:
-    """Click as the pilot does and return once the effect is drawn."""
     await pilot.click(*where, **offset)
     await settle(pilot)
 
 
 async def order(pilot: Pilot[Any], command: Command) -> None:
-    """Send ``command`` to the run and return once its effect is drawn."""
     playground(pilot).send(command)
     await settle(pilot)
 
 
 async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
-    """Put the cursor of the list on top on ``id`` and press enter."""
     choices = pilot.app.screen.query_one(OptionList)
     choices.highlighted = choices.get_option_index(id)
     await pilot.press("enter")
@@ -115,33 +109,29 @@ async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
 
 
 async def switch(pilot: Pilot[UserError], algorithm: str) -> None:
-    """Switch to ``algorithm`` with keys."""
     pilot.app.set_focus(None)
     await press(pilot, "a", "a")
     await choose(pilot, algorithm)
 
 
 async def train(pilot: Pilot[UserError], steps: int) -> Snapshot:
-    """Take ``steps`` steps and return the playground's snapshot."""
     playground(pilot).send(Train(steps))
     await settle(pilot)
     return snapshot(pilot)
 
 
 async def scroll_down(pilot: Pilot[UserError], widget: Widget) -> None:
-    """Turn the wheel over ``widget``."""
     x, y = widget.region.offset
     widget.post_message(MouseScrollDown(widget, 0, 0, 0, 0, 0, False, False, False, x, y))
     await settle(pilot)
 
 
 def show(screen: Playground, snapshot: Snapshot) -> None:
-    """Draw ``snapshot`` as if the player had just published it. Settling restores the player's own."""
+    """Draw ``snapshot`` as if just published. Settling restores the player's own."""
     screen.player._newest = None
     screen._draw(snapshot)
 
 
 def sized(widget: AnyWidget, width: int, height: int) -> AnyWidget:
-    """Give ``widget`` this size without a screen."""
     widget._size = Size(width, height)
     return widget

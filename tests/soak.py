@@ -1,8 +1,7 @@
 """Run the real program at full speed for a long time: ``python tests/soak.py [MINUTES] [--untouched]``.
 
-It prints one row a minute, sixty by default, then a comparison of the last minute with the first. Output is
-counted but rarely looked at: now and then a screen is redrawn and read. With ``--untouched`` no key is
-pressed at full speed, and only memory counts. It must stay constant within 2 % after ten minutes.
+It prints one row a minute, sixty by default, then a comparison of the last minute with the first. With
+``--untouched`` no key is pressed, and only memory counts, constant within 2 % after ten minutes.
 """
 
 from __future__ import annotations
@@ -70,12 +69,11 @@ ELSEWHERE_EVERY: Final = 3  # minutes
 
 
 class Minute(NamedTuple):
-    """Measures of one minute: of the whole program, and of its screen while the run continues undisturbed.
+    """Measures of one minute.
 
-    ``memory`` is the resident set in bytes, ``steps`` is steps per second and ``written`` is bytes per frame.
-    ``frame`` is the CPU time of the screen's thread for a frame, in milliseconds. ``gap`` is the 95th
-    percentile of the time between frames, in milliseconds. ``key`` is the time until a paused run answers a
-    key, in milliseconds.
+    ``memory`` in bytes, ``steps`` a second, ``written`` bytes per frame, ``frame`` CPU milliseconds of the
+    screen's thread, ``gap`` the 95th percentile of milliseconds between frames, ``key`` milliseconds until a
+    paused run answers.
     """
 
     memory: int
@@ -89,7 +87,6 @@ class Minute(NamedTuple):
     key: float
 
     def row(self, number: int) -> str:
-        """Return the measures as a row of the table."""
         return (
             f"{number:6} {self.memory / _MEGABYTE:9.1f} {self.threads:7} {self.files:5} "
             f"{self.steps / 1e6:9.2f} {self.frames:8.1f} {self.frame:9.2f} {self.gap:8.1f} "
@@ -101,8 +98,6 @@ HEADER: Final = "minute  RSS (MB) threads files Msteps/s frames/s CPU ms/fr gap9
 
 
 class Program:
-    """The program in a terminal that reads all output at once, and answers queries."""
-
     def __init__(self, sessions: Path, scenario: str = SCENARIO) -> None:
         self._ours, theirs = pty.openpty()
         self._resize(SIZE)
@@ -148,21 +143,17 @@ class Program:
 
     @property
     def ended(self) -> bool:
-        """Whether the process has ended."""
         return self._process.poll() is not None
 
     def press(self, keys: str) -> None:
-        """Type ``keys``."""
         os.write(self._ours, keys.encode())
 
     def quit(self) -> int:
-        """Type the keys to quit and return the exit status."""
         if not self.ended:
             self.press("qq")
         return self._process.wait(START)
 
     def look(self) -> str:
-        """Redraw the screen and return its text."""
         screen = pyte.Screen(*SIZE)
         stream = pyte.ByteStream(screen)
         self._copies = []
@@ -174,11 +165,9 @@ class Program:
         return "\n".join(screen.display)
 
     def wait_for_quiet(self) -> None:
-        """Wait until there is no output for a while."""
         self.wait_until(lambda: time.perf_counter() - self.last_byte > QUIET, PATIENCE)
 
     def answer_time(self, keys: str) -> float:
-        """Return the seconds until a still screen answers ``keys``."""
         self.wait_for_quiet()
         before, start = self.bytes, time.perf_counter()
         self.press(keys)
@@ -186,25 +175,27 @@ class Program:
         return self.last_byte - start if self.bytes > before else PATIENCE
 
     def memory(self) -> int:
-        pages = int(Path(f"/proc/{self.pid}/statm").read_text().split()[1])
+        pages = int(Path(f"/proc/{self.pid}/statm").read_text(encoding="utf-8").split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
     def share(self) -> int:
         """Return the resident set in bytes; shared pages count by their share."""
-        rollup = Path(f"/proc/{self.pid}/smaps_rollup").read_text()
+        rollup = Path(f"/proc/{self.pid}/smaps_rollup").read_text(encoding="utf-8")
         return sum(int(line.split()[1]) << 10 for line in rollup.splitlines() if line.startswith("Pss:"))
 
     def count(self, folder: str) -> int:
-        """Return the number of entries of a folder of its process: ``task`` or ``fd``."""
         return len(os.listdir(f"/proc/{self.pid}/{folder}"))
 
     def screen_seconds(self) -> float:
-        """Return the CPU time of the screen's thread."""
-        fields = Path(f"/proc/{self.pid}/task/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        fields = (
+            Path(f"/proc/{self.pid}/task/{self.pid}/stat")
+            .read_text(encoding="utf-8")
+            .rpartition(")")[2]
+            .split()
+        )
         return (int(fields[11]) + int(fields[12])) / _TICKS
 
     def wait_until(self, is_over: object, seconds: float) -> None:
-        """Wait until ``is_over`` returns true, at most ``seconds``."""
         deadline = time.perf_counter() + seconds
         while time.perf_counter() < deadline and not (callable(is_over) and is_over()):
             time.sleep(0.002)
@@ -243,18 +234,15 @@ class Program:
 
 
 def plain(written: bytes) -> str:
-    """Return the latest output without escape sequences."""
     return re.sub(rb"\x1b\[[0-?]*[ -/]*[@-~]", b"", written).decode(errors="replace")
 
 
 def steps_kept(folder: Path) -> int:
-    """Return the latest step in the output."""
     sessions, _ = sessions_in(folder)
     return max(sessions, key=lambda session: session.written[1]).step if sessions else 0
 
 
 def run_on(program: Program) -> None:
-    """Make sure it runs at full speed; raise SystemExit if the playground is no longer on the screen."""
     for _ in range(60):
         if program.ended:
             return
@@ -271,7 +259,6 @@ def run_on(program: Program) -> None:
 
 
 def minute(program: Program, folder: Path, number: int) -> Minute:
-    """Let a minute pass, mostly undisturbed, press keys, and return the measures."""
     deadline = time.perf_counter() + MINUTE
     undisturbed = MINUTE / 2
     begun, frames, written, worked = (
@@ -312,7 +299,6 @@ def minute(program: Program, folder: Path, number: int) -> Minute:
 
 
 def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
-    """Compare ``last`` with ``first`` and return the text, and whether it is flat."""
     memory, frame = last.memory / first.memory, last.frame / first.frame
     is_flat = memory <= MOST_GROWTH and frame <= MOST_GROWTH and last.threads <= first.threads + 2
     words = (
@@ -324,7 +310,6 @@ def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
 
 
 def untouched(minutes: int) -> int:
-    """Print the memory of each minute and return 1 if it does not become constant."""
     with tempfile.TemporaryDirectory() as name, Program(Path(name), UNTOUCHED) as program:
         program.wait_until(lambda: program.frames > 0, START)
         program.wait_for_quiet()
@@ -354,7 +339,6 @@ def untouched(minutes: int) -> int:
 
 
 def main() -> int:
-    """Print the measures and return 1 if they are not flat or the program broke down."""
     numbers = [argument for argument in sys.argv[1:] if argument.isdecimal()]
     minutes = int(numbers[0]) if numbers else 60
     if "--untouched" in sys.argv:

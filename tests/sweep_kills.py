@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -43,20 +44,18 @@ with Store.to_write(Path(sys.argv[1])) as store:
 
 
 class Kill(NamedTuple):
-    """The result of one kill. ``lost`` is the age, in seconds, of the oldest finished run that was lost."""
+    """``lost`` is the age, in seconds, of the oldest finished run that was lost."""
 
     kept: int
     lost: float
 
 
 def plan_of(cells: int) -> SweepPlan:
-    """Return a plan of ``cells`` cells, of 2 runs each."""
     vary = read_variation(f"alpha=0.01:1:{cells}")
     return SweepPlan(find("maze"), (vary,), {"algorithm": "q-learning"}, episodes=100, runs=2)
 
 
 def kill(store: Path, cells: int, chance: random.Random) -> Kill:
-    """Sweep into ``store``, kill the sweep, and raise if the store is not valid."""
     command = [sys.executable, "-c", CHILD, str(store), str(cells)]
     told = dict[tuple[int, int], float]()
     with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=Path(__file__).parent) as child:
@@ -76,10 +75,9 @@ def kill(store: Path, cells: int, chance: random.Random) -> Kill:
 
 
 def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
-    """Return cell and seed of each run in ``store``, which may be missing. Raise if it is not valid."""
     if not store.exists():
         return set()
-    with sqlite3.connect(store) as database:
+    with closing(sqlite3.connect(store)) as database:
         assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
         if database.execute("SELECT COUNT(*) FROM sqlite_master").fetchone() == (0,):
             return set()  # killed before its tables existed
@@ -91,17 +89,13 @@ def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
 
 
 def csv_of(plan: SweepPlan, store: Store) -> str:
-    """Return the CSV of ``store``."""
     stream = io.StringIO()
     write_csv(stream, plan, store)
     return stream.getvalue()
 
 
 def kills(count: int, seed: int, cells: int = 400) -> Iterator[Kill]:
-    """Yield the results of ``count`` kills; raise if a sweep's result differs from one without kills.
-
-    A sweep that finishes before its kill is followed by another one.
-    """
+    """Continue until a sweep finishes. Raise if its result differs from one without kills."""
     chance, plan = random.Random(seed), plan_of(cells)
     with Store.without_file() as whole:
         run_sweep(plan, whole)
@@ -118,7 +112,6 @@ def kills(count: int, seed: int, cells: int = 400) -> Iterator[Kill]:
 
 
 def main() -> None:
-    """Print figures for this many kills (first argument)."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else random.randrange(2**32)
     print(f"{count} kills, seed {seed}", flush=True)

@@ -1,4 +1,4 @@
-"""The very first start, with nothing compiled yet: the real program in a terminal, and its compiler."""
+"""The very first start, with nothing compiled yet."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from programs.watched_scripts import lives
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are looked for in /proc"),
-]
+pytestmark = pytest.mark.skipif(
+    not Path("/proc/self/stat").exists(), reason="processes are looked for in /proc"
+)
 
 FASTER, SLOWER = "+" * 9, "-" * 9
 FULL_SPEED = " " + FASTER
@@ -25,7 +25,6 @@ MOST_SECONDS = 120.0
 
 @pytest.fixture
 def terminal(tmp_path: Path) -> Iterator[PseudoTerminal]:
-    """A newly opened playground, with its own empty cache."""
     variables = {"RL_TUI_CACHE_DIR": str(tmp_path / "cache")}
     with PseudoTerminal([*RL_TUI, "play", "frozenlake"], variables) as opened:
         opened.wait_for("no step yet")
@@ -33,7 +32,6 @@ def terminal(tmp_path: Path) -> Iterator[PseudoTerminal]:
 
 
 def compilers_of(pid: int) -> list[int]:
-    """The compiler processes of the program ``pid``."""
     found = []
     for folder in Path("/proc").iterdir():
         with suppress(OSError):
@@ -44,20 +42,10 @@ def compilers_of(pid: int) -> list[int]:
 
 
 def becomes(condition: Callable[[], bool]) -> bool:
-    """Return whether ``condition`` becomes true soon."""
     end = time.perf_counter() + MOST_SECONDS
     while not condition() and time.perf_counter() < end:
         time.sleep(0.01)
     return condition()
-
-
-def is_gone(pid: int) -> bool:
-    """Return whether the process has ended, even if nothing has waited for it."""
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return True
-    return state == "Z"
 
 
 def test_it_takes_steps_at_once_and_goes_on_as_machine_code(terminal: PseudoTerminal) -> None:
@@ -91,4 +79,4 @@ def test_the_compiler_ends_with_the_program(terminal: PseudoTerminal, number: si
     (compiler,) = compilers_of(terminal.process.pid)
     terminal.process.send_signal(number)
     terminal.wait_for_end()
-    assert becomes(lambda: is_gone(compiler))
+    assert becomes(lambda: not lives(compiler))

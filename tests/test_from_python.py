@@ -1,11 +1,17 @@
-"""``import rl_tui``: the numbers of the commands as arrays, and imports only when needed."""
+"""``import rl_tui``."""
 
 from __future__ import annotations
 
+import doctest
 import json
+import re
 import subprocess
 import sys
 import threading
+import xml.etree.ElementTree as ElementTree
+from contextlib import chdir
+from dataclasses import replace
+from pathlib import Path
 from typing import get_type_hints
 
 import numpy as np
@@ -33,7 +39,6 @@ def without_times(document: dict) -> dict:
 
 
 def as_rows(array: np.ndarray, missing: float | None = None) -> list:
-    """The array in its JSON form: None for unavailable actions."""
     absent = np.isnan(array) if missing is None else array == missing
     return [
         [None if gone else value for value, gone in zip(row, away, strict=True)]
@@ -180,6 +185,11 @@ def test_every_hyper_parameter_can_be_given() -> None:
         (lambda: rl_tui.evaluate("student", [4, 0, 4, 0]), "the policy in state 0"),
         (lambda: rl_tui.evaluate("cliff", np.full((48, 4), 0.3)), "that sum to 1"),
         (lambda: rl_tui.evaluate("cliff", "missing.json"), "no such file"),
+        (
+            lambda: rl_tui.train("student", episodes=9).plot("length"),
+            "measure is .length.; expected return_mean",
+        ),
+        (lambda: rl_tui.solve("student").plot().save("values.pdf"), "does not end in .svg or .png"),
     ],
 )
 def test_what_can_be_mended_is_one_error_in_one_line(call, message: str) -> None:
@@ -203,6 +213,87 @@ def test_a_result_prints_as_a_table_and_as_html() -> None:
         html = result._repr_html_()
         assert html.startswith("<table>")
         assert html.count("<tr>") == len(lines) - 1
+
+
+def test_the_help_of_train_names_every_setting_and_its_example_runs(tmp_path: Path) -> None:
+    text = rl_tui.train.__doc__
+    assert text
+    arguments = {name + "_" * (name == "lambda") for name in PARAMETERS}
+    assert arguments <= set(re.findall(r"^        (\w+): ", text, re.MULTILINE))
+    example = doctest.DocTestParser().get_doctest(text, {"rl_tui": rl_tui}, "train", None, 0)
+    assert len(example.examples) == 4
+    with chdir(tmp_path):
+        assert doctest.DocTestRunner(verbose=False).run(example).failed == 0
+    assert ElementTree.parse(tmp_path / "frozenlake.svg").getroot().tag.endswith("svg")
+
+
+def test_a_result_has_a_picture_of_the_same_curve_as_the_plot_command(tmp_path: Path) -> None:
+    many = rl_tui.train("student", runs=3, episodes=40)
+    named = replace(many, figures={}, seconds=0.0)
+    assert (
+        many._repr_svg_() == many.plot().svg == named.plot("return_mean").svg != many.plot("length_mean").svg
+    )
+    results, drawn = tmp_path / "results.json", tmp_path / "drawn.svg"
+    results.write_text(json.dumps(dict(many.figures)), encoding="utf-8")
+    CliRunner().invoke(program, ["plot", str(results), "--out", str(drawn)], catch_exceptions=False)
+    lines = [re.findall("<polyline.*", text) for text in (drawn.read_text(encoding="utf-8"), many.plot().svg)]
+    assert lines[0] == lines[1] != []
+    many.plot().save(tmp_path / "saved.svg")
+    assert (tmp_path / "saved.svg").read_text(encoding="utf-8") == many.plot().svg
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: rl_tui.train("bandit", episodes=30),
+        lambda: rl_tui.solve("student"),
+        lambda: rl_tui.evaluate("cliff", "uniform"),
+    ],
+)
+def test_every_result_has_a_picture(call) -> None:
+    result = call()
+    text = result._repr_svg_()
+    assert text == result.plot()._repr_svg_()
+    caption = str(result).splitlines()[0]
+    assert caption in {each.text for each in ElementTree.fromstring(text).iter()}
+    assert caption in repr(result.plot())
+
+
+def test_without_an_episode_there_is_no_picture() -> None:
+    planned = rl_tui.train("student", algorithm="value-iteration", steps=3)
+    assert planned._repr_svg_() is None
+    with pytest.raises(rl_tui.Error, match="no episode was finished"):
+        planned.plot()
+
+
+def test_every_result_is_a_table_of_pandas() -> None:
+    pytest.importorskip("pandas")
+    run, many = rl_tui.train("student", episodes=20), rl_tui.train("student", episodes=20, runs=3)
+    assert run.to_pandas()["return"].tolist() == run.returns.tolist()
+    assert run.to_pandas().index.tolist() == list(range(1, 21))
+    assert many.to_pandas()["expected_return"].tolist() == many.expected_return.tolist()
+    assert many.to_pandas().index.tolist() == many.seeds.tolist()
+    solution, worth = rl_tui.solve("student"), rl_tui.evaluate("student", "uniform")
+    for result, of_actions in ((solution, solution.q), (worth, worth.policy)):
+        frame = result.to_pandas()
+        assert frame["value"].tolist() == result.v.tolist()
+        assert np.array_equal(frame[list(result.actions)].to_numpy(), of_actions, equal_nan=True)
+        assert frame.index.tolist() == list(result.states)
+    assert rl_tui.scenarios().to_pandas().loc["cliff", "states"] == 48
+
+
+def test_without_pandas_there_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(rl_tui.Error, match="pip install pandas"):
+        rl_tui.solve("student").to_pandas()
+
+
+def test_an_error_in_a_notebook_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    interactive = pytest.importorskip("IPython.core.interactiveshell", exc_type=ImportError)
+    shell = interactive.InteractiveShell()
+    shell.run_cell("import rl_tui; rl_tui.train('cliff', alpha=3)")
+    shown = capsys.readouterr().out
+    assert shown == "rl_tui.Error: alpha is 3; expected a number in (0, 1] or sample-average\n"
 
 
 def test_what_stands_in_html_is_text() -> None:

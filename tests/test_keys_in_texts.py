@@ -1,4 +1,4 @@
-"""The keys in texts are current, and each row of a menu is in the table."""
+"""The keys in texts are current."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ DRAWING: Final = {tool.key for each in TOOLBOXES.values() for tool in (*each.too
 PATHS: Final = {each.key for each in ACTIONS if each.menu} | DRAWING
 
 OTHERS: Final = {
+    "cheat-sheet.md": "p",  # the letter of a menu
     "ask-exact-questions.md": "C",  # a tool
     "commands.md": "V.x",  # of JSON, or the beginning of names
     "edit-a-world.md": "[],AHz",  # tools

@@ -1,4 +1,4 @@
-"""Tests use public names. Necessary private names are listed here, with the reason."""
+"""The private names that tests need, with the reason."""
 
 from __future__ import annotations
 
@@ -45,14 +45,13 @@ WHY: Final = {
 }
 PUBLIC: Final = {
     *("_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"),  # by Python's own convention
-    "_repr_html_",  # and IPython: a notebook calls it to display an object
+    *("_repr_html_", "_repr_svg_"),  # and IPython: a notebook calls them to display an object
 }
 BY_NAME: Final = {"delattr", "getattr", "hasattr", "setattr"}
 PRIVATE: Final = re.compile(r"_(?!_)\w+")
 
 
 def private_names(path: Path) -> Iterator[str]:
-    """Yield each use of a private name: of another object, in an import, or by a string."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         dotted: list[str] = []
         if isinstance(node, ast.Attribute) and ast.unparse(node.value) not in ("self", "cls"):

@@ -1,7 +1,4 @@
-"""The tables of algorithms and policies, with the symbols of their updates.
-
-It does not import numba, so lists and help stay fast.
-"""
+"""Tables of algorithms and policies, without numba, so lists and help stay fast."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ from typing import Final, Literal
 
 
 class Lookup(Enum):
-    """The estimates of the next state that an update uses."""
+    """Estimates of the next state that an update uses."""
 
     BEST = auto()  # the greatest
     NEXT = auto()  # the next action's
@@ -24,19 +21,14 @@ class Lookup(Enum):
 
 @dataclass(frozen=True, slots=True)
 class UpdateTerms:
-    """Symbols of target = gathered + discount · bootstrap, and words about an update.
-
-    The defaults are those of Q-learning.
+    """Symbols of target = gathered + discount · bootstrap, by default those of Q-learning.
 
     Args:
-        gathered: Symbol of the sum of rewards.
-        discount: Symbol of the discount.
-        bootstrap: Symbol of the estimate, empty without one. ``{next}`` is the next state, ``{own}`` and
-            ``{other}`` are the updated table and the other one.
-        others: Origin of further updates of the same step, shown after their number.
-        waiting: Reason why nothing was updated yet.
-        lookup: Estimates that the bootstrap uses.
-        one_step: True if they belong to the state one step later.
+        bootstrap: Empty without one. ``{next}`` is the next state, ``{own}`` and ``{other}`` are the two
+            tables.
+        others: Origin of further updates of the step, shown after their number.
+        waiting: Why nothing was updated yet.
+        one_step: True if `lookup` reads the state one step later.
     """
 
     gathered: str = "r"
@@ -54,22 +46,15 @@ _TD: Final = (*_STEP_SIZE, "gamma", "policy", "initial_q")
 
 @dataclass(frozen=True, slots=True)
 class Algorithm:
-    """One algorithm: its texts, and the location of its code.
+    """Texts of an algorithm, and the module with its code.
 
     Args:
-        id: Its id.
-        name: Its name.
-        summary: What it does.
-        equation: Its update.
-        source: Its place in Sutton & Barto (2nd ed.).
-        module: Module with its memory and update rule.
-        parameters: Its hyper-parameters in the order of the settings panel, without the policy's.
-        planner: True if it takes no steps, but backs up states with the model.
-        update: Symbols of its update.
+        parameters: In the order of the settings panel, without the policy's.
+        planner: True if it backs up states with the model instead of taking steps.
         counts_updates: True if a sample average counts its own updates, which come later or in two tables.
         updates_own_pair: True if each step updates exactly its own pair, immediately and by one step.
-        takes_orders: True if a user can order evaluation or improvement. The module then has ``phase_of``,
-            ``order`` and ``ordered``.
+        takes_orders: True if a user can order evaluation or improvement, by ``phase_of``, ``order`` and
+            ``ordered`` of the module.
     """
 
     id: str
@@ -111,7 +96,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="expected-sarsa",
         name="Expected SARSA",
-        summary="SARSA without the luck of the next action: the mean over what the policy may do",
+        summary="averages next actions: SARSA with their mean instead of the one taken",
         equation="Q(S,A) ← Q(S,A) + α [R + γ Σ π(a|S′) Q(S′,a) − Q(S,A)]",
         source="equation 6.9, section 6.6",
         module="rl_tui.agents.algorithms.expected_sarsa",
@@ -122,7 +107,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="double-q-learning",
         name="Double Q-learning",
-        summary="two tables, each judging the other's best action: no maximization bias",
+        summary="two tables: each judges the best action of the other, so there is no maximization bias",
         equation="Q₁(S,A) ← Q₁(S,A) + α [R + γ Q₂(S′, argmax Q₁(S′,·)) − Q₁(S,A)]",
         source="equation 6.10, box on page 136",
         module="rl_tui.agents.algorithms.double_q_learning",
@@ -134,7 +119,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="n-step-sarsa",
         name="n-step SARSA",
-        summary="waits for n rewards before it updates: between SARSA and Monte Carlo",
+        summary="waits for n rewards, then updates: between SARSA and Monte Carlo",
         equation="Q(Sₜ,Aₜ) ← Q(Sₜ,Aₜ) + α [R + γR + … + γⁿ Q(Sₜ₊ₙ,Aₜ₊ₙ) − Q(Sₜ,Aₜ)]",
         source="equation 7.5, box on page 147",
         module="rl_tui.agents.algorithms.n_step_sarsa",
@@ -153,7 +138,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="sarsa-lambda",
         name="SARSA(λ)",
-        summary="eligibility traces: one step teaches all that led to it, the recent most",
+        summary="eligibility traces: one step also updates earlier pairs, recent ones most",
         equation="Q ← Q + α δ e,  δ = R + γ Q(S′,A′) − Q(S,A),  e ← γλ e",
         source="section 12.7, box on page 305 for one feature a pair",
         module="rl_tui.agents.algorithms.sarsa_lambda",
@@ -173,7 +158,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="dyna-q",
         name="Dyna-Q",
-        summary="Q-learning that also learns a model and practises in it between steps",
+        summary="learns a model: Q-learning that also practises in its model between steps",
         equation="Model(S,A) ← R, S′;  n times: Q-learning on a remembered (S,A)",
         source="box on page 164",
         module="rl_tui.agents.algorithms.dyna_q",
@@ -183,7 +168,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="prioritized-sweeping",
         name="Prioritized sweeping",
-        summary="plans backwards from where values have just changed most",
+        summary="plans backwards, from where values have just changed most",
         equation="P = |R + γ max Q(S′,·) − Q(S,A)|;  the largest P first, then what leads there",
         source="box on page 170",
         module="rl_tui.agents.algorithms.prioritized_sweeping",
@@ -212,7 +197,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="value-iteration",
         name="Value iteration",
-        summary="a planner: sweeps over all states with the model and takes the best it sees",
+        summary="a planner: sweeps over all states with the model and keeps the best value",
         equation="Q(s,a) ← Σ p(s′,r|s,a) [r + γ max Q(s′,·)]",
         source="equation 4.10, box on page 83",
         module="rl_tui.agents.algorithms.value_iteration",
@@ -242,7 +227,7 @@ BY_ID: Final = {algorithm.id: algorithm for algorithm in _ALGORITHMS}
 OWN_PROGRAM: Final = Algorithm(
     id="own-program",
     name="your program",
-    summary="the learning of your own program, while its update is unknown",
+    summary="learning by your own program, whose update is not known",
     equation="",
     source="",
     module="",
@@ -253,26 +238,19 @@ OWN_PROGRAM: Final = Algorithm(
 
 
 def algorithm_row(algorithm: str) -> Algorithm:
-    """Return the row of an algorithm, or of a user's own program."""
+    """Return the row of an algorithm, or of a user's program."""
     return OWN_PROGRAM if algorithm == OWN_PROGRAM.id else BY_ID[algorithm]
 
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """One policy: its texts, and the location of its code.
+    """Texts of a policy, and the module with its code.
 
     Args:
-        id: Its id.
-        name: Its name.
-        summary: What it does.
-        equation: Its rule.
-        source: Its place in Sutton & Barto (2nd ed.).
-        module: Module with its code.
-        parameters: Its hyper-parameters.
         bandits_only: True if it works in a single state only.
-        explores_by_epsilon: True if it takes a random action with probability ε, else a greedy one.
+        explores_by_epsilon: True if it acts greedily, except with probability ε.
         needs_step_size: True if it cannot use the sample average.
-        counts_visits: True if it reads the visits N(s, a).
+        counts_visits: True if it reads N(s, a).
     """
 
     id: str
@@ -302,7 +280,7 @@ _POLICIES: Final[tuple[Policy, ...]] = (
     Policy(
         id="softmax",
         name="softmax",
-        summary="the better an action looks, the likelier it is; τ says by how much",
+        summary="better actions more often; τ sets by how much",
         equation="π(a|S) = exp(Q(S,a)/τ) / Σ exp(Q(S,b)/τ)",
         source="section 13.1, exercise 2.9",
         module="rl_tui.agents.policies.softmax",
@@ -311,7 +289,7 @@ _POLICIES: Final[tuple[Policy, ...]] = (
     Policy(
         id="ucb",
         name="UCB",
-        summary="the best of what each action might still turn out to be worth",
+        summary="highest upper bound: an action that was good so far, or rarely tried",
         equation="A ← argmax [Q(S,a) + c √(ln N(S) / N(S,a))]",
         source="equation 2.10, section 2.7",
         module="rl_tui.agents.policies.ucb",
@@ -321,7 +299,7 @@ _POLICIES: Final[tuple[Policy, ...]] = (
     Policy(
         id="gradient",
         name="gradient bandit",
-        summary="learns preferences in place of values; a reward above the baseline raises one",
+        summary="learns preferences, not values: a reward above the baseline raises the preference",
         equation="H(A) ← H(A) + α (R − R̄)(1 − π(A)),  H(a) ← H(a) − α (R − R̄) π(a)",
         source="equation 2.12, section 2.8",
         module="rl_tui.agents.policies.gradient",
@@ -332,7 +310,7 @@ _POLICIES: Final[tuple[Policy, ...]] = (
     Policy(
         id="thompson",
         name="Thompson sampling",
-        summary="draws what each arm may be worth from what is known of it, and takes the best draw",
+        summary="draws a possible mean for each arm from its posterior, and takes the best",
         equation="A ← argmax of a draw from each arm's posterior",
         source="section 2.10, posterior sampling",
         module="rl_tui.agents.policies.thompson",
@@ -346,18 +324,14 @@ POLICY_BY_ID: Final = {policy.id: policy for policy in _POLICIES}
 
 
 def algorithm_of(algorithm: str) -> Algorithm:
-    """Return the algorithm with this id.
-
-    Raises:
-        ValueError: There is none. The message lists all ids.
-    """
+    """Return an algorithm, or raise ValueError with all ids."""
     if algorithm not in BY_ID:
         raise ValueError(f"there is no algorithm {algorithm}; expected one of {', '.join(BY_ID)}")
     return BY_ID[algorithm]
 
 
 def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
-    """Return the hyper-parameters of an algorithm with a policy, in the order of the settings panel."""
+    """Return all hyperparameters in the order of the settings panel."""
     own = algorithm_row(algorithm).parameters
     if "policy" not in own:
         return own

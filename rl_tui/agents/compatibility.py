@@ -19,23 +19,14 @@ def is_bandit(space: FiniteSpace) -> bool:
 
 
 def incompatibility(space: FiniteSpace, algorithm: str, hyperparameters: Hyperparameters) -> str:
-    """Return why `algorithm` cannot work in `space`, with an alternative. Empty if it can.
-
-    Args:
-        space: The world.
-        algorithm: Id of the algorithm.
-        hyperparameters: Settings, which name the policy.
-
-    Raises:
-        ValueError: There is no such algorithm.
-    """
+    """Return why `algorithm` cannot work in `space`, with an alternative, or ""."""
     chosen = algorithm_of(algorithm)
     if chosen.planner:
         if isinstance(space, TabularMDP):
             return ""
         return (
-            f"{chosen.name} plans with the transition table, and this environment has none: take an "
-            f"algorithm that learns, such as q-learning"
+            f"{chosen.name} plans with the transition table, and this environment has none: choose an "
+            "algorithm that learns, such as q-learning"
         )
     policy = POLICY_BY_ID[hyperparameters.policy]
     if policy.bandits_only and not is_bandit(space):
@@ -47,17 +38,7 @@ def incompatibility(space: FiniteSpace, algorithm: str, hyperparameters: Hyperpa
 
 
 def check_compatible(space: FiniteSpace, algorithm: str, hyperparameters: Hyperparameters) -> None:
-    """Check that `algorithm` can work in `space`.
-
-    Args:
-        space: The world.
-        algorithm: Id of the algorithm.
-        hyperparameters: Settings, which name the policy.
-
-    Raises:
-        UserError: It cannot. The message names an alternative.
-        ValueError: There is no such algorithm.
-    """
+    """Raise UserError if `algorithm` cannot work in `space`, with an alternative."""
     refused = incompatibility(space, algorithm, hyperparameters)
     if refused:
         raise UserError(refused)

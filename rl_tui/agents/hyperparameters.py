@@ -1,4 +1,4 @@
-"""The hyper-parameters: names, ranges, defaults, and which have no effect."""
+"""Hyperparameters: names, ranges, defaults, and which have no effect."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_STEPS: Final = 1_000
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """An interval of real numbers. `open_low` excludes the lower end."""
+    """An interval. `open_low` excludes the lower end."""
 
     low: float
     high: float = math.inf
@@ -31,7 +31,7 @@ class Range:
 
     @property
     def in_words(self) -> str:
-        """The interval in words: ``from 0 to 1``, ``above 0, at most 1``, ``of 0 or more``."""
+        """Text such as ``above 0, at most 1`` or ``of 0 or more``."""
         low, high = (_for_people(end) for end in (self.low, self.high))
         if math.isinf(self.high):
             return f"above {low}" if self.open_low else f"of {low} or more"
@@ -55,7 +55,7 @@ def _for_people(value: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Slide:
-    """The part of a range that a slider covers, on a logarithmic scale if `logarithmic`."""
+    """The part of a range that a slider covers."""
 
     low: float = 0.0
     high: float = 1.0
@@ -64,16 +64,11 @@ class Slide:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One hyper-parameter as shown to users.
+    """One hyperparameter as shown to users.
 
     Args:
-        name: Its name.
-        symbol: Its symbol.
-        help: Its meaning.
         range: Allowed numbers, or None.
-        words: Allowed words.
         whole: True if only integers are allowed.
-        slide: Range of its slider, or None.
         schedule: True if it only describes how another one changes per episode.
     """
 
@@ -88,19 +83,19 @@ class Parameter:
 
     @property
     def short_name(self) -> str:
-        """Its meaning in a word or two, such as ``step size``: the help up to the colon."""
+        """Help up to the colon, such as ``step size``."""
         return self.help.partition(":")[0]
 
     @property
     def expected(self) -> str:
-        """Allowed values for messages: ``a number in (0, 1] or sample-average``."""
+        """Allowed values: ``a number in (0, 1] or sample-average``."""
         kind = "a whole number" if self.whole else "a number"
         numbers = [f"{kind} in {self.range}"] if self.range else []
         return " or ".join([*numbers, *self.words])
 
     @property
     def expected_in_words(self) -> str:
-        """Allowed values in words: ``a number above 0, at most 1, or sample-average``."""
+        """Allowed values: ``a number above 0, at most 1, or sample-average``."""
         kind = "a whole number" if self.whole else "a number"
         words = " or ".join(self.words)
         if self.range is None:
@@ -110,11 +105,11 @@ class Parameter:
 
     @property
     def field(self) -> str:
-        """Attribute of :class:`Hyperparameters`: its name, except for Python's keyword ``lambda``."""
+        """Its name, with ``lambda_`` for Python's keyword."""
         return "lambda_" if self.name == "lambda" else self.name
 
     def accepts(self, value: object) -> bool:
-        """Return True if `value` is an allowed word, or a finite number in the range."""
+        """Return True for an allowed word or number."""
         if isinstance(value, str):
             return value in self.words
         if isinstance(value, bool) or not isinstance(value, (int, float)) or self.range is None:
@@ -184,9 +179,7 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
             Range(0, 10_000),
             whole=True,
         ),
-        Parameter(
-            "threshold", "θ", "prioritized sweeping: changes up to this are not passed on", Range(0, 1e6)
-        ),
+        Parameter("threshold", "θ", "prioritized sweeping: smaller changes are not passed on", Range(0, 1e6)),
         Parameter(
             "accuracy",
             "accuracy",
@@ -206,11 +199,11 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
 
 @dataclass(frozen=True, slots=True)
 class Hyperparameters:
-    """The hyper-parameters of a learner. :data:`PARAMETERS` has the ranges.
+    """The hyperparameters of a learner, with ranges in :data:`PARAMETERS`.
 
     In episode n (from 0) an exponential schedule turns ε into ε_min + (ε − ε_min)·exp(−decay·n). A linear one
-    gives ε − decay·n, at least ε_min. With a decay of 0 or a constant schedule, ε stays. The same holds for
-    α, unless the step size is the sample average 1/N(s, a).
+    gives ε − decay·n, at least ε_min. The same holds for α, unless the step size is the sample average 1/N(s,
+    a).
     """
 
     alpha: StepSize = 0.1
@@ -236,11 +229,7 @@ class Hyperparameters:
     ties: Ties = "random"
 
     def changed(self, name: str, value: object) -> Hyperparameters:
-        """Return a copy with one value changed.
-
-        Raises:
-            ValueError: The name is unknown, or the value is not allowed.
-        """
+        """Return a copy with one value changed, or raise ValueError."""
         if name not in PARAMETERS:
             raise ValueError(f"there is no parameter {name}; expected one of {', '.join(PARAMETERS)}")
         parameter = PARAMETERS[name]
@@ -251,7 +240,7 @@ class Hyperparameters:
         return replace(self, **changes)
 
     def value(self, name: str) -> float | str:
-        """Return the value of the parameter `name`."""
+        """Return a value by parameter name."""
         found: float | str = getattr(self, PARAMETERS[name].field)
         return found
 
@@ -261,23 +250,23 @@ class Hyperparameters:
 
     @property
     def sample_average(self) -> bool:
-        """True if the step size is 1/N(s, a). Either α or its schedule can set this."""
+        """True for 1/N(s, a), set by α or its schedule."""
         return SAMPLE_AVERAGE in (self.alpha, self.step_size_schedule)
 
     def without_average(self) -> Hyperparameters:
-        """Return a copy with a numeric step size: defaults replace the sample average."""
+        """Return a copy in which defaults replace the sample average."""
         usual = Hyperparameters()
         fields = [name for name in ("alpha", "step_size_schedule") if getattr(self, name) == SAMPLE_AVERAGE]
         return replace(self, **{name: getattr(usual, name) for name in fields})
 
     def alpha_at(self, episode: int) -> float | None:
-        """Return the step size in `episode`, counted from 0, or None for the sample average."""
+        """Return α, or None for the sample average. Episodes count from 0."""
         if self.sample_average or isinstance(self.alpha, str):
             return None
         return _scheduled(self.step_size_schedule, self.alpha, self.alpha_min, self.alpha_decay, episode)
 
     def epsilon_at(self, episode: int) -> float:
-        """Return the exploration probability in `episode`, counted from 0."""
+        """Return ε. Episodes count from 0."""
         return _scheduled(self.epsilon_schedule, self.epsilon, self.epsilon_min, self.epsilon_decay, episode)
 
 
@@ -290,26 +279,19 @@ def _scheduled(schedule: str, start: float, least: float, decay: float, episode:
     return least + (start - least) * math.exp(-decay * episode)
 
 
-# Hyper-parameters without effect
+# Hyperparameters without effect
 
 
 _LOOKS_AHEAD: Final = {
     "gamma": "every pull ends its episode, so there is no later reward to discount",
-    "lambda": "every pull ends its episode, so no earlier step can be taught",
-    "traces": "every pull ends its episode, so no earlier step can be taught",
-    "n": "every pull ends its episode, so there is one reward to gather",
+    "lambda": "every pull ends its episode, so there is no earlier step to update",
+    "traces": "every pull ends its episode, so there is no earlier step to update",
+    "n": "every pull ends its episode, so there is only one reward",
 }
 
 
 def why_idle(name: str, algorithm: str, values: Hyperparameters, *, is_bandit: bool) -> str:
-    """Return why a parameter has no effect. Empty if it has one.
-
-    Args:
-        name: A parameter of the algorithm.
-        algorithm: Id of the algorithm.
-        values: Current settings.
-        is_bandit: True if every step ends its episode.
-    """
+    """Return why a parameter of `algorithm` has no effect, or ""."""
     if is_bandit and not algorithm_row(algorithm).planner and name in _LOOKS_AHEAD:
         return _LOOKS_AHEAD[name]
     match name:

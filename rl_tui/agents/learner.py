@@ -1,4 +1,4 @@
-"""A learner: an algorithm at work in a world, with all its state."""
+"""An algorithm at work in a world, with all its state."""
 
 from __future__ import annotations
 
@@ -21,15 +21,13 @@ _FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.
 
 
 class Learner(LearnerMemory):
-    """An algorithm at work in a world. :class:`LearnerMemory` describes its attributes.
+    """An algorithm at work in a world, with the attributes of :class:`LearnerMemory`.
 
     Equal arguments give equal bits, however the work is split into calls.
     """
 
     def take(self, pair: int) -> Stop:
-        """Take one step with `pair` instead of the agent's choice. The agent learns as usual.
-
-        No random number is drawn for the choice. Returns the same as :meth:`advance` for one step.
+        """Take one step with `pair`, without drawing a number for the choice.
 
         Raises:
             UserError: The learner is a planner, or `pair` does not belong to the current state.
@@ -56,9 +54,8 @@ class Learner(LearnerMemory):
         For a planner, a step backs up one state and an episode is a sweep over all states.
 
         Returns:
-            The reason to stop. ``Stop.NOTICED``: a watched event happened. ``Stop.EPISODES_FULL``: call
-            :meth:`drain_episodes`; if both apply, the next call reports this. ``Stop.CONVERGED``: a planner
-            has finished. Others are final, such as ``Stop.DIVERGED``.
+            ``Stop.NOTICED`` for a watched event. ``Stop.EPISODES_FULL``: call :meth:`drain_episodes`. If both
+            apply, the next call reports this. ``Stop.CONVERGED``: a planner has finished. Others are final.
         """
         forget(self._watch)
         if self._stop in _FOR_GOOD or self._stop is Stop.CONVERGED:
@@ -75,10 +72,7 @@ class Learner(LearnerMemory):
         return stop
 
     def set_time_budget(self, seconds: float) -> None:
-        """Let :meth:`advance` return after `seconds` if environment steps may be slow.
-
-        It then took fewer steps than requested, but at least one.
-        """
+        """Let :meth:`advance` return after `seconds` and at least one step, if steps may be slow."""
         if self._stepped is not None:
             self._stepped.time_budget = seconds
 
@@ -102,7 +96,6 @@ class Learner(LearnerMemory):
         return stop
 
     def _tables_now(self) -> Tables:
-        """Return the tables as planners know them, with drifted rewards."""
         mdp = self.mdp
         if mdp is None or mdp is self.space:
             return self._tables
@@ -110,26 +103,23 @@ class Learner(LearnerMemory):
 
     @property
     def loop(self) -> Loop:
-        """Key of the loop that runs. Each loop has its own machine code."""
+        """Key of the loop that runs, which has its own machine code."""
         policy = "" if self.plans else self.hyperparameters.policy
         return Loop(self.algorithm, policy, self._stepped is not None)
 
     @property
     def is_compiled(self) -> bool:
-        """True if it runs as machine code. Interpreted it has the same bits, but is far slower."""
+        """True for machine code. Interpreted it has the same bits."""
         return self.loop in COMPILED_LOOPS
 
     def compile(self) -> None:
-        """Compile the loop, or read it from the cache, without taking a step.
-
-        This serves all learners of this process with the same loop.
-        """
+        """Compile the loop, or read it from the cache, for the whole process."""
         use_machine_code(sweep if self.plans else advance)
         self._advance(0, UNLIMITED, compiled=True)
         COMPILED_LOOPS.add(self.loop)
 
     def checkpoint(self) -> LearnerState:
-        """Return a copy of the complete state. Drain the episodes first.
+        """Return a copy of the state, after draining episodes.
 
         Raises:
             UserError: The learner is not ``rewindable``.
@@ -154,19 +144,14 @@ class Learner(LearnerMemory):
         )
 
     def _checkpoint_arrays(self) -> tuple[Any, ...]:
-        """Return the arrays of the memory, shortened to the used part."""
         if hasattr(self._module, "checkpoint_arrays"):
             return tuple(self._module.checkpoint_arrays(self._memory))
         return tuple(self._memory)
 
     def restore(self, state: LearnerState) -> None:
-        """Return to `state`, bit for bit.
-
-        Raises:
-            ValueError: `state` belongs to another world.
-        """
+        """Return to `state`, bit for bit, or raise ValueError in another world."""
         if not is_same_table(state.space, self.space):
-            raise ValueError("this checkpoint is one of another world: enter that first")
+            raise ValueError("this checkpoint belongs to another world: enter that world first")
         if state.hyperparameters != self.hyperparameters:
             self._take_rule(state.hyperparameters)
         if state.algorithm != self.algorithm:

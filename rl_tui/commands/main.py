@@ -1,4 +1,4 @@
-"""``rl-tui``: the entry point of the command line."""
+"""The entry point of the command line."""
 
 from __future__ import annotations
 
@@ -22,15 +22,18 @@ from rl_tui.commands.options.display import DISPLAY_OPTIONS, display_of, display
 from rl_tui.commands.options.run import allow_module_option
 from rl_tui.common.findings import one_line
 from rl_tui.common.interrupts import INTERRUPTED, leave_when_interrupted, note_interrupts
+from rl_tui.common.packages import why_interpreted
 
 _THREADS: Final = "NUMBA_NUM_THREADS"
 _COLOURS: Final = "TEXTUAL_COLOR_SYSTEM"
 _COLOUR_SYSTEMS: Final = ("auto", "standard", "256", "truecolor", "windows")
 _LONGEST_NUMBER: Final = 40
+INTERPRETED: Final = ("train", "solve", "sweep", "screenshot", "evaluate", "figure", "replay")
+"""Commands that report a missing Numba first. The app reports it on its screen."""
 
 
 class RlTui(Program):
-    """The commands of rl-tui. Every module below the folder ``by_name`` is a command of the same name."""
+    """The commands of rl-tui, one for each module below ``by_name``."""
 
     modules: ClassVar = {
         each.name.rpartition(".")[2]: each.name
@@ -39,7 +42,7 @@ class RlTui(Program):
     }
     first_in_help = (
         *("play", "learn", "edit", "train", "sweep", "watch", "replay", "solve", "evaluate"),
-        *("list", "new", "check", "bench", "screenshot", "serve"),
+        *("list", "new", "check", "bench", "screenshot", "record", "serve"),
     )
 
 
@@ -59,6 +62,8 @@ def program(context: click.Context, /, **display: object) -> None:
     leave_out_bad_colours()
     for refusal in refusals():
         complain(refusal)
+    if context.invoked_subcommand in INTERPRETED and (why := why_interpreted()):
+        complain(why)
     if context.invoked_subcommand is None:
         from rl_tui.commands.line.screen import run_app
 
@@ -70,16 +75,12 @@ def program(context: click.Context, /, **display: object) -> None:
 
 
 def _hand_on(context: click.Context, name: str, given: dict[str, object]) -> None:
-    """Use the display options given before the command `name` as its defaults.
-
-    Raises:
-        click.UsageError: The command draws no screen.
-    """
+    # Display options before the command become its defaults
     command = program.get_command(context, name)
     taken = set() if command is None else {parameter.name for parameter in command.params}
     for option in given:
         if option not in taken:
-            raise click.UsageError(f"{name} draws no screen: leave --{option.replace('_', '-')} out", context)
+            raise click.UsageError(f"{name} draws no screen: leave out --{option.replace('_', '-')}", context)
     if given.pop("no_color", False):
         given["colors"] = "none"  # so that --colors after the command overrides it
     context.default_map = {name: given}
@@ -116,7 +117,7 @@ def calculate_in_one_thread() -> None:
 def leave_out_bad_threads() -> None:
     """Report an invalid ``NUMBA_NUM_THREADS`` and continue without it.
 
-    Numba would fail to start, or print a traceback. No kernel needs threads.
+    Numba would fail to start, or print a traceback.
     """
     number = os.environ.get(_THREADS, "1")
     with suppress(ValueError):  # also for thousands of digits
@@ -129,13 +130,13 @@ def leave_out_bad_threads() -> None:
 def leave_out_bad_colours() -> None:
     """Report an invalid ``TEXTUAL_COLOR_SYSTEM`` and continue without it.
 
-    Textual reads it on import and fails on unknown values when an app is created.
+    Textual would fail when an app is created.
     """
     wanted = os.environ.get(_COLOURS, "auto")
     if wanted not in _COLOUR_SYSTEMS:
         complain(
-            f"{_COLOURS}={one_line(wanted, _LONGEST_NUMBER)} is left out: "
-            f"expected {', '.join(_COLOUR_SYSTEMS[:-1])} or {_COLOUR_SYSTEMS[-1]}"
+            f"{_COLOURS}={one_line(wanted, _LONGEST_NUMBER)} is ignored: expected "
+            f"{', '.join(_COLOUR_SYSTEMS[:-1])} or {_COLOUR_SYSTEMS[-1]}"
         )
         del os.environ[_COLOURS]
 
@@ -144,11 +145,8 @@ def leave_at_once(status: int) -> NoReturn:
     """Exit without the interpreter's shutdown.
 
     The shutdown stops daemon threads anywhere. A thread that was importing or compiling would keep locks that
-    the shutdown needs. Measured: one quit in 250 during start-up never ended. The shutdown also waits for
-    normal threads, and a thread inside an environment may never end.
-
-    Args:
-        status: Exit status of the process.
+    the shutdown needs: one quit in 250 during start-up never ended. It also waits for normal threads, and a
+    thread inside an environment may never end.
     """
     # a thread inside an environment may have replaced stdout
     for stream in (sys.stdout, sys.__stdout__, sys.stderr):

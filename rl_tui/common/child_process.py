@@ -13,22 +13,20 @@ sys.path[:] = {path!r}
 from {module} import main
 main(**{arguments!r})
 """
+# Windows has no sessions and no nice values. Elsewhere this is 0
+_ON_WINDOWS: Final[int] = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0) | getattr(
+    subprocess, "BELOW_NORMAL_PRIORITY_CLASS", 0
+)
 
 
 def python_process(
     module: str, arguments: Mapping[str, object], environment: Mapping[str, str], folder: str | None = None
 ) -> subprocess.Popen[bytes]:
-    """Start a process that calls ``main`` of `module`, with pipes as stdin and stdout.
+    """Start a process that calls ``main`` of `module` with `arguments`, over pipes.
 
-    The process has its own session and no terminal, so neither keys nor hang-ups reach it. Its ``main``
-    should end when stdin closes, which happens whenever this process ends. It finds the same modules as this
-    process, but imports nothing from the current folder.
-
-    Args:
-        module: Name of the module.
-        arguments: Keyword arguments of ``main``.
-        environment: Environment variables.
-        folder: Working folder; None: that of this process.
+    It has its own session and no terminal, so neither keys nor hang-ups reach it. Its ``main`` should end
+    when stdin closes, which happens whenever this process ends. It imports nothing from the current folder.
+    On Windows its priority is below normal.
 
     Raises:
         OSError: The process cannot be started.
@@ -45,5 +43,5 @@ def python_process(
         cwd=folder,
         env=environment,
         start_new_session=True,
-        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # start_new_session for Windows
+        creationflags=_ON_WINDOWS,
     )

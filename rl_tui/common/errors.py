@@ -1,4 +1,4 @@
-"""Errors that the user can fix. They print as clear lines, never as a traceback."""
+"""Errors that the user can fix, printed without a traceback."""
 
 from __future__ import annotations
 
@@ -15,9 +15,13 @@ NO_FILE: Final = "no such file"
 class UserError(Exception):
     """An error that the user can fix. Its text is one line: place, problem, fix."""
 
+    def _render_traceback_(self) -> list[str]:
+        """Return what a notebook shows instead of the traceback."""
+        return [f"rl_tui.Error: {self}"]
+
 
 def complaint(found: str, expected: str) -> str:
-    """Return the words of an error: what a file contains, and what it should contain (may be empty)."""
+    """Return the words of an error. Without `expected`, `found` is all."""
     if not expected:
         return found
     if found == "nothing":
@@ -31,15 +35,15 @@ class Fault:
 
     Args:
         file: Path as the user wrote it.
-        place: Position inside the file, such as ``mdp.transition[2].to``. Empty for the whole file.
+        place: Such as ``mdp.transition[2].to``. Empty for the whole file.
         found: Current content.
-        expected: Correct content.
+        expected: Correct content. Empty if `found` says how to fix it.
     """
 
     file: str
     place: str
     found: str
-    expected: str
+    expected: str = ""
 
     def __str__(self) -> str:
         where = f"{self.file}: {self.place}" if self.place else self.file
@@ -47,9 +51,9 @@ class Fault:
 
 
 class ScenarioError(UserError):
-    """A scenario file with errors: the first 100 of them, in file order.
+    """A scenario file with errors: the first 100, in file order.
 
-    `tables` holds the readable part of the file, `text` its full text.
+    `tables` holds the readable part.
     """
 
     def __init__(
@@ -62,9 +66,9 @@ class ScenarioError(UserError):
 
 
 def first_of(faults: Iterable[Fault]) -> tuple[Fault, ...]:
-    """Return the first 100 of `faults`. If there are more, a last entry says so."""
+    """Return the first 100, and a last entry if there are more."""
     reported = tuple(islice(faults, MOST_FAULTS + 1))
     if len(reported) <= MOST_FAULTS:
         return reported
-    more = Fault(reported[0].file, "", f"more than {MOST_FAULTS} errors: fix these first", "")
+    more = Fault(reported[0].file, "", f"more than {MOST_FAULTS} errors; fix these first")
     return (*reported[:MOST_FAULTS], more)

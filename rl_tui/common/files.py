@@ -1,7 +1,7 @@
 """File locks, and three ways to write that never leave half a file.
 
-:func:`write_atomically` replaces a file and keeps the old one until then. :func:`new_file` creates a file and
-refuses existing names. :func:`whole_file` overwrites a file and removes it if writing fails.
+:func:`write_atomically` replaces a file and keeps the old one until then. :func:`new_file` refuses existing
+names. :func:`whole_file` overwrites a file and removes it if writing fails.
 """
 
 from __future__ import annotations
@@ -40,10 +40,9 @@ else:
 
 
 class FileLock:
-    """A lock for `path`, held by a hidden file next to it.
+    """A lock for `path`, held by a hidden file next to it, because writing replaces the file itself.
 
-    The file itself cannot carry the lock, because writing replaces it. A lock file left by a killed program
-    can be taken.
+    A lock left by a killed program can be taken.
     """
 
     def __init__(self, path: Path) -> None:
@@ -51,7 +50,7 @@ class FileLock:
         self._descriptor: int | None = None
 
     def acquire(self) -> bool:
-        """Take the lock, and return False if another holder has it.
+        """Take the lock, or return False if another holder has it.
 
         File systems without locks always grant it.
 
@@ -75,7 +74,7 @@ class FileLock:
         return True
 
     def keep(self) -> bool:
-        """Take the lock again if its file was removed, and return False if another holder has it now.
+        """Take the lock again if its file was removed. Return False if another holder has it.
 
         Raises:
             OSError: The lock file cannot be created.
@@ -115,10 +114,7 @@ _LONGEST_WRITE: Final = 60.0  # seconds, far more than needed
 def write_atomically(path: Path, content: bytes, mode: int = OURS_ALONE) -> None:
     """Replace the content of `path` in one step. It is on disk when this returns.
 
-    Args:
-        path: The file.
-        content: New content.
-        mode: Permissions of the file, limited by the umask.
+    The umask limits `mode`.
 
     Raises:
         OSError: Writing failed. The old file is unchanged, and the error names a file.
@@ -139,17 +135,12 @@ def write_atomically(path: Path, content: bytes, mode: int = OURS_ALONE) -> None
 
 
 def draft_of(path: Path) -> Path:
-    """Return the path of the draft of `path`. It is always the same, so drafts cannot pile up."""
+    """Return the draft of `path`, always the same, so drafts cannot pile up."""
     return path.with_name(f".{path.name}{_NEW}")
 
 
 def remove_old_drafts(folder: Path, suffix: str) -> None:
-    """Remove drafts of programs that were killed while writing.
-
-    Args:
-        folder: Folder to clean.
-        suffix: Suffix of the files whose drafts are removed.
-    """
+    """Remove drafts of programs that were killed while writing."""
     try:
         drafts = list(folder.glob(f".*{suffix}{_NEW}"))
     except OSError:  # an unreadable folder
@@ -164,17 +155,13 @@ def remove_old_drafts(folder: Path, suffix: str) -> None:
 
 
 def remove_with_draft(path: Path) -> None:
-    """Remove `path` and its draft, if they exist.
-
-    Raises:
-        OSError: One of them cannot be removed.
-    """
+    """Remove `path` and its draft, if they exist, or raise OSError."""
     for each in (path, draft_of(path)):
         each.unlink(missing_ok=True)
 
 
 def _settle(folder: Path) -> None:
-    """Write the folder entry to disk, where the system allows it."""
+    # The folder entry too goes to disk, where possible
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -193,7 +180,7 @@ def signature(status: os.stat_result) -> tuple[int, ...]:
 
 @contextmanager
 def new_file(path: Path) -> Iterator[TextIO]:
-    """Create the file `path` and yield it for writing text. It is removed if writing is interrupted.
+    """Create `path` and yield it for text. It is removed if writing is interrupted.
 
     Raises:
         UserError: The file exists or cannot be written.
@@ -201,7 +188,7 @@ def new_file(path: Path) -> Iterator[TextIO]:
     try:
         stream = path.open("x", encoding="utf-8", newline="")
     except FileExistsError as error:
-        raise UserError(f'"{printable(str(path))}" exists already: choose another name') from error
+        raise UserError(f'"{printable(str(path))}" already exists: choose another name') from error
     except (OSError, ValueError) as error:  # ValueError: not a possible file name
         raise _unwritable(path, error) from error
     begun = os.fstat(stream.fileno())
@@ -216,11 +203,7 @@ def new_file(path: Path) -> Iterator[TextIO]:
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write `text` into the new file `path`.
-
-    Raises:
-        UserError: The file exists or cannot be written.
-    """
+    """Write a new file, or raise UserError."""
     with new_file(path) as stream:
         stream.write(text)
 
@@ -229,20 +212,20 @@ def new_path(text: str) -> Path:
     """Return the path for a new file from user input. ``~`` is the home folder.
 
     Raises:
-        UserError: The file exists, its folder does not exist, or the name is impossible.
+        UserError: The file exists, its folder does not, or the name is impossible.
     """
     text = text.strip()
     if not text:
         raise UserError("type the name of a new file")
     if not is_plain(text):
-        raise UserError("a file name has no control characters")
+        raise UserError("a file name cannot have control characters")
     path = Path(text)
     try:
         path = path.expanduser()
         if path.is_dir():
             raise UserError(f"{text} is a folder: type the name of a new file")
         if path.exists() or path.is_symlink():
-            raise UserError(f"{text} exists already: type another name")
+            raise UserError(f"{text} already exists: type another name")
         if not path.parent.is_dir():
             raise UserError(f"there is no folder {path.parent}")
     except (OSError, RuntimeError, ValueError) as error:
@@ -254,15 +237,10 @@ _MOST_TRIED: Final = 1_000
 
 
 def free_name(stem: str, ending: str, folder: Path = Path(), taken: Container[str] = ()) -> str:
-    """Return a file name that is not in use: `stem` plus `ending`, with a number between if needed.
+    """Return a file name that is not in use, with a number between `stem` and `ending` if needed.
 
-    After a thousand used names, the first one is returned.
-
-    Args:
-        stem: Wish for the name. Characters other than letters, digits and ``-_.`` become dashes.
-        ending: Suffix of the file.
-        folder: Folder in which the name must be free.
-        taken: Further stems to avoid.
+    Characters other than letters, digits and ``-_.`` become dashes. After a thousand used names, the first
+    one is returned. `taken` are further stems to avoid.
     """
     stem = "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in stem)
     for candidate in (stem, *(f"{stem}-{number}" for number in range(2, _MOST_TRIED))):

@@ -1,9 +1,11 @@
-"""Findings in scenario files, and values formatted for messages."""
+"""Findings in scenario files, and values for messages."""
 
 from __future__ import annotations
 
 import json
 import re
+import shlex
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from itertools import islice
@@ -23,15 +25,28 @@ _CONTROL: Final = re.compile(
 )
 
 
+_PLAIN_WORD: Final = re.compile(r"[\w.:/\\=+-]+")
+
+
+def command_line(words: Iterable[str]) -> str:
+    """Return a line to type into a shell: cmd.exe and PowerShell on Windows."""
+    if sys.platform != "win32":
+        return shlex.join(words)
+    return " ".join(word if _PLAIN_WORD.fullmatch(word) else f'"{word}"' for word in words)
+
+
 class Finding(NamedTuple):
-    """One error in a file. `location` holds the keys and indices (from 0) that lead to it."""
+    """One error in a file, at the keys and indices (from 0) of `location`.
+
+    Without `expected`, `found` says how to fix it.
+    """
 
     location: Location
     found: str
-    expected: str
+    expected: str = ""
 
     def inside(self, *outer: str | int) -> Finding:
-        """Return this finding with `outer` prepended to its location."""
+        """Return the finding with `outer` before its location."""
         return self._replace(location=(*outer, *self.location))
 
 
@@ -48,11 +63,9 @@ def place(location: Location) -> str:
 
 
 def shown(value: object, deepest: int = 3) -> str:
-    """Return a value of a file as one short line that is safe to print.
+    """Return a value as one short line that is safe to print.
 
-    Args:
-        value: The value.
-        deepest: Number of nested list levels to write out.
+    Lists are written out down to the level `deepest`.
     """
     if isinstance(value, bool):
         text = "true" if value else "false"
@@ -76,7 +89,7 @@ def shown(value: object, deepest: int = 3) -> str:
 
 
 def one_line(text: str, longest: int) -> str:
-    """Return `text` as one printable line of at most `longest` characters."""
+    """Return one printable line of at most `longest` characters."""
     text = " ".join(text.split())
     if len(text) > longest:
         text = text[: longest - 1] + "…"
@@ -84,7 +97,7 @@ def one_line(text: str, longest: int) -> str:
 
 
 def printable(text: str) -> str:
-    """Return `text` with unprintable characters escaped, so that no terminal obeys them."""
+    """Escape unprintable characters, so that no terminal obeys them."""
     return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
 
 
@@ -94,27 +107,23 @@ def is_plain(text: str, also: str = "") -> bool:
 
 
 def control_character(text: str, also: str = "") -> str:
-    """Return the first control character of `text` as ``U+001B``. Empty if there is none.
+    """Return the first control character not in `also`, as ``U+001B``, or an empty text.
 
     Characters that change the writing direction or end a line count, and so do surrogates.
-
-    Args:
-        text: Text to search.
-        also: Allowed control characters.
     """
     found = (each[0] for each in _CONTROL.finditer(text) if each[0] not in also)
     return next((f"U+{ord(each):04X}" for each in found), "")
 
 
 def near(name: str, names: Iterable[str]) -> str:
-    """Return `` (did you mean "…"?)`` with the nearest of `names`. Empty if none is near.
+    """Return `` (did you mean "…"?)`` with the nearest name, or an empty text.
 
     Very long lists and names are not searched, because comparing is slow.
     """
     by_small_letters = {each.lower(): each for each in islice(names, _MOST_COMPARED + 1)}
     if len(by_small_letters) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
         return ""
-    matches = get_close_matches(name.lower(), by_small_letters, n=1, cutoff=0.6)
+    matches = get_close_matches(name.lower(), by_small_letters, n=1, cutoff=0.65)
     return f" (did you mean {shown(by_small_letters[matches[0]])}?)" if matches else ""
 
 

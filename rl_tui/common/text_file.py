@@ -34,18 +34,13 @@ _KINDS: Final = (
 class UnreadableError(Exception):
     """A file without usable content. `place` is the line and column, if known."""
 
-    def __init__(self, place: str, found: str, expected: str) -> None:
+    def __init__(self, place: str, found: str, expected: str = "") -> None:
         super().__init__(complaint(found, expected))
         self.place, self.found, self.expected = place, found, expected
 
 
 def read_text(path: Path, kind: str = "a TOML file", most: int = LARGEST_FILE) -> str:
-    """Return the text of a file in UTF-8.
-
-    Args:
-        path: The file, as the user named it.
-        kind: Expected kind with an article, for messages.
-        most: Size limit in bytes.
+    """Return the text of a UTF-8 file of at most `most` bytes. `kind` is for messages.
 
     Raises:
         UnreadableError: The file cannot be read, is too large, or is not UTF-8.
@@ -56,19 +51,16 @@ def read_text(path: Path, kind: str = "a TOML file", most: int = LARGEST_FILE) -
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise UnreadableError(f"line {line}", f"byte {content[error.start]:#04x}", "text in UTF-8") from error
+        raise UnreadableError(
+            f"line {line}", f"byte {content[error.start]:#04x} is not UTF-8; save the file as UTF-8"
+        ) from error
 
 
 def read_bytes(path: Path, kind: str, most: int = LARGEST_FILE) -> tuple[bytes, os.stat_result]:
     """Return the content of a file, and its status when it was read.
 
-    Args:
-        path: The file, as the user named it.
-        kind: Expected kind with an article, such as "a JSON file".
-        most: Size limit in bytes.
-
     Raises:
-        UnreadableError: The file cannot be read or is too large.
+        UnreadableError: The file cannot be read or is larger than `most` bytes.
     """
     stream = open_plain(path, kind)
     with stream:
@@ -84,11 +76,7 @@ def read_bytes(path: Path, kind: str, most: int = LARGEST_FILE) -> tuple[bytes, 
 
 
 def open_plain(path: Path, kind: str) -> BinaryIO:
-    """Open a regular file for reading.
-
-    Args:
-        path: The file.
-        kind: Expected kind with an article, for messages.
+    """Open a regular file for reading. `kind` is for messages.
 
     Raises:
         UnreadableError: It is not a regular file, or cannot be opened.
@@ -111,16 +99,10 @@ def open_plain(path: Path, kind: str) -> BinaryIO:
 
 
 def check_plain(path: Path, kind: str) -> None:
-    """Check that `path` is a regular file or does not exist, without opening it.
-
-    This is for files that a library opens by name.
-
-    Args:
-        path: The file.
-        kind: Expected kind with an article, for messages.
+    """Check that `path`, which a library will open, is a regular file or does not exist.
 
     Raises:
-        UnreadableError: There is something else at this path.
+        UnreadableError: It is something else.
     """
     try:
         found = _other_kind(path.stat().st_mode)
@@ -135,15 +117,15 @@ def check_plain(path: Path, kind: str) -> None:
 
 
 def _other_kind(mode: int) -> str:
-    """Return what kind of file this mode belongs to. Empty for a regular file."""
+    # Empty for a regular file
     if stat.S_ISREG(mode):
         return ""
     return next((name for is_one, name in _KINDS if is_one(mode)), "something else")
 
 
 def _unreadable(error: OSError | ValueError, kind: str) -> UnreadableError:
-    """Convert `error` to an UnreadableError. A ValueError is a null character in the path."""
+    # A ValueError is a null character in the path
     if isinstance(error, OSError) and error.errno in _MISSING:
         return UnreadableError("", NO_FILE, kind)
     reason = getattr(error, "strerror", None) or str(error)
-    return UnreadableError("", f"a file that cannot be read ({reason})", kind)
+    return UnreadableError("", f"cannot be read ({reason})")

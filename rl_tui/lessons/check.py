@@ -1,6 +1,7 @@
-"""The check of a lesson file, with its errors and warnings. A number in a text must be a figure, `{name}`,
-or come from the page itself: its settings, its world, its conditions, answers or attempts. 0 and 1 are
-always allowed.
+"""The check of a lesson file.
+
+A number in a text must be a figure, `{name}`, or come from the page itself: its settings, its world, its
+conditions, answers or attempts. 0 and 1 are always allowed.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ _SLACK: Final = 1e-9
 def page_findings(
     lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigures, *, quick: bool
 ) -> Iterator[Finding]:
-    """Yield errors of spotlights, predictions and questions. `raw` is the file without figures."""
+    """Yield errors of a page. `raw` is the file without figures."""
     for number, page in enumerate(lesson.pages):
         where: Location = ("pages", number)
         yield from _panel_findings(lesson, page, where)
@@ -75,8 +76,7 @@ def _panel_findings(lesson: Lesson, page: Page, where: Location) -> Iterator[Fin
     yield from unknown_panels((*where, "panels"), named)
     in_view = lesson.panels_of(page.id)
     if page.spotlight in PANEL_IDS and in_view is not None and page.spotlight not in in_view:
-        expected = "a panel in view: add it to panels"
-        yield Finding((*where, "spotlight"), shown(page.spotlight), expected)
+        yield Finding((*where, "spotlight"), f"{shown(page.spotlight)} is not in view; add it to panels")
 
 
 def _ask_findings(
@@ -90,18 +90,16 @@ def _ask_findings(
     for number, wrong in enumerate(ask.wrong):
         at = (*where, "wrong", number, "answer")
         if abs(wrong.answer - ask.answer) <= ask.tolerance + _SLACK:
-            yield Finding(
-                at, shown(wrong.answer), f"a wrong answer: {shown(ask.answer)} is right, ± {ask.tolerance:g}"
-            )
+            right = f"{shown(wrong.answer)} is right, within {shown(ask.answer)} ± {ask.tolerance:g}"
+            yield Finding(at, f"{right}; give a wrong answer")
         elif any(abs(wrong.answer - each) <= _SLACK for each in known):
-            yield Finding(at, f"{shown(wrong.answer)} twice", "each wrong answer once")
+            yield Finding(at, f"{shown(wrong.answer)} is listed twice; remove one")
         known.append(wrong.answer)
 
 
 def _answer_findings(
     ask: Ask, answer: float, written: object, where: Location, figures: LessonFigures, *, quick: bool
 ) -> Iterator[Finding]:
-    """Yield an answer that is not a figure, or a tolerance that excludes the exact answer."""
     figure = _FIGURE.fullmatch(written.strip()) if isinstance(written, str) else None
     if figure is None:
         if answer not in (0.0, 1.0):
@@ -125,7 +123,9 @@ def _choice_findings(ask: Ask, where: Location) -> Iterator[Finding]:
     seen = set[str]()
     for number, choice in enumerate(ask.choices):
         if choice.text in seen:
-            yield Finding((*where, "choices", number, "text"), shown(choice.text), "each choice once")
+            yield Finding(
+                (*where, "choices", number, "text"), f"{shown(choice.text)} is listed twice; list it once"
+            )
         seen.add(choice.text)
 
 
@@ -159,7 +159,7 @@ _NUMERAL: Final = re.compile(
 
 
 def numeral_findings(lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigures) -> Iterator[Finding]:
-    """Yield numbers without a source. `raw` is the file without figures."""
+    """Yield numbers without a source."""
     for location, text in _texts({key: value for key, value in raw.items() if key != "pages"}, ()):
         yield from _findings(location, text, _ALWAYS, ())
     pages = raw.get("pages", [])
@@ -170,7 +170,6 @@ def numeral_findings(lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigu
 
 
 def _texts(value: Any, location: Location) -> Iterator[tuple[Location, str]]:
-    """Yield the texts that learners read in a table, with their places."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             is_wrong_choice = key == "text" and "choices" in location and not value.get("right", False)
@@ -194,12 +193,12 @@ def _findings(
     for numeral in numerals_in(text, states):
         number = written_number(numeral)
         if number is None or not any(_is_same(abs(number.value), each) for each in allowed):
-            expected = "a figure, {name}, a number of the page's own setup, or a word"
+            expected = "a figure {name}, a number from the setup of the page, or a number in words"
             yield Finding(location, shown(numeral), expected)
 
 
 def numerals_in(text: str, states: tuple[str, ...] = ()) -> list[str]:
-    """Return the distinct numbers in `text`, without names of `states`, code and references."""
+    """Return distinct numbers, without `states`, code and references."""
     plain = _PLACEHOLDER.sub("x", text)
     plain = _CODE.sub(lambda match: " " if _COMMAND.fullmatch(match[1].strip()) else match[1], plain)
     plain = _REFERENCE.sub(" ", plain)
@@ -216,7 +215,6 @@ def _is_same(one: float, other: float) -> bool:
 
 
 def _allowed(page: Page, figures: LessonFigures) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Return the unsigned numbers that a page may use, and the names of its world's states."""
     numbers = set(_ALWAYS)
     names: tuple[str, ...] = ()
     try:
@@ -249,7 +247,6 @@ def _settings(subject: FigureSubject) -> Iterator[float]:
 
 
 def _world(subject: FigureSubject) -> Iterator[float]:
-    """Yield rewards and probabilities of the world, its limits, and the size of its map."""
     world = subject.world
     yield from _numbers((world.space.time_limit, world.budget))
     if isinstance(world.drawing, Grid):
@@ -297,14 +294,14 @@ def ignore(done: int, wanted: int, what: str) -> None:
 
 @dataclass(slots=True)
 class LessonReport:
-    """Results of a check: `faults`, at most 100 and a note, and `warnings`."""
+    """At most 100 `faults` and a note, and `warnings`."""
 
     faults: list[Fault] = field(default_factory=list)
     warnings: list[Fault] = field(default_factory=list)
 
 
 def is_lesson_file(path: str | Path) -> bool:
-    """Return True if a file has a lesson rather than a scenario, or False if it cannot be read."""
+    """Return True for a readable lesson rather than a scenario."""
     try:
         return is_lesson_text(read_text(Path(path)))
     except UnreadableError:
@@ -318,14 +315,9 @@ def check_lesson(
     on_checked: OnChecked = ignore,
     budget: StepBudget | None = None,
 ) -> LessonReport:
-    """Check the lesson in a file, each variant as a lesson of its own. Errors of several variants are
-    reported once.
+    """Check a lesson file, each variant as a lesson of its own.
 
-    Args:
-        path: Lesson file.
-        quick: Skip work with many seeds.
-        on_checked: Called before each check.
-        budget: Limit of steps for all variants together.
+    `quick` skips work with many seeds. `budget` limits the steps of all variants together.
     """
     report, budget = LessonReport(), budget or StepBudget()
     try:
@@ -348,8 +340,6 @@ def check_lesson(
 
 
 class _Counted:
-    """Reports the progress of a check."""
-
     def __init__(self, on_checked: OnChecked, wanted: int) -> None:
         self._on_checked = on_checked
         self._wanted = wanted
@@ -371,8 +361,6 @@ def _placed(findings: list[Finding], raw: Mapping[str, Any]) -> list[_Placed]:
 
 
 class _LessonCheck:
-    """Checks one variant of a lesson."""
-
     def __init__(self, lesson: Lesson, counted: _Counted, budget: StepBudget, *, quick: bool) -> None:
         self._lesson = lesson
         self._counted = counted
@@ -381,7 +369,6 @@ class _LessonCheck:
         self._figures = LessonFigures(lesson, budget)
 
     def findings(self) -> tuple[list[_Placed], list[_Placed]]:
-        """Return errors and warnings: place, finding, and expectation of each."""
         raw = tables_in(self._lesson.text)
         unknown = [(each.place, each.found, each.expected) for each in reference_faults(self._lesson)]
         if any(where.startswith("setups") for where, _, _ in unknown):

@@ -1,4 +1,4 @@
-"""A well-formed lesson, and how it is read from a file."""
+"""A well-formed lesson, read from a file."""
 
 from __future__ import annotations
 
@@ -28,8 +28,10 @@ _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Lesson:
-    """A lesson with figures filled in. `id` is the stem of the file. `text` is the file with the chosen
-    `variant` ("" without variants), as sessions store it. `figures` and `setups` are by name.
+    """A lesson with figures filled in.
+
+    `id` is the stem of the file. `text` is the file with the chosen `variant` ("" without variants), as
+    sessions store it.
     """
 
     id: str
@@ -53,28 +55,28 @@ class Lesson:
 
     @property
     def counted_predictions(self) -> tuple[Page, ...]:
-        """Pages with a scored prediction, without guesses."""
+        """Pages with a prediction, without guesses."""
         return tuple(page for page in self.pages if page.prediction is not None and not page.guess)
 
     def page(self, page_id: str) -> Page:
-        """Return the page `page_id`. Raises KeyError if there is none."""
+        """Return a page. Raises KeyError if there is none."""
         for page in self.pages:
             if page.id == page_id:
                 return page
         raise KeyError(page_id)
 
     def number_of(self, page_id: str) -> int:
-        """Return the index of a page, or 0 if there is none."""
+        """Return the index of a page, or 0."""
         return next((number for number, page in enumerate(self.pages) if page.id == page_id), 0)
 
     def panels_of(self, page_id: str) -> frozenset[str] | None:
-        """Return the ids of the visible panels on a page, or None for all."""
+        """Return the visible panels, None for all."""
         before = self.pages[: self.number_of(page_id) + 1]
         named = next((page.panels for page in reversed(before) if page.panels is not None), None)
         return None if named is None else frozenset(named)
 
     def setup_of(self, page_id: str) -> str:
-        """Return the name of the current setup on a page: its own, or that of an earlier page."""
+        """Return a page's setup: its own, or an earlier page's."""
         setup = next(iter(self.setups))
         for page in self.pages:
             setup = page.setup or setup
@@ -84,17 +86,15 @@ class Lesson:
 
 
 def lesson_folder() -> Path:
-    """Return the folder of the shipped lessons, next to the scenarios."""
+    """Return the shipped lessons' folder, next to the scenarios."""
     return shipped_folder().parent / FOLDER
 
 
 def read_lesson(path: str | Path, variant: str = "") -> Lesson:
-    """Read a lesson file. Raises ScenarioError with all its errors, in the order of the file."""
+    """Read a lesson file. Raises ScenarioError with all its errors."""
     path = Path(path)
     if not is_plain(str(path)):
-        raise ScenarioError(
-            [Fault(shown(str(path)), "", "control characters", "a path without control characters")]
-        )
+        raise ScenarioError([Fault(shown(str(path)), "", "the path has control characters; rename the file")])
     try:
         text = read_text(path)
     except UnreadableError as reason:
@@ -103,15 +103,9 @@ def read_lesson(path: str | Path, variant: str = "") -> Lesson:
 
 
 def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
-    """Parse a lesson.
+    """Parse a lesson. Raises ScenarioError.
 
-    Args:
-        text: Content of the file.
-        path: Path of the file, which is not read.
-        variant: One of `variants_of`, by default the first if there are any.
-
-    Raises:
-        ScenarioError: The lesson has errors.
+    `variant` is one of `variants_of`, by default the first. `path` is not read.
     """
     try:
         if len(text) > LONGEST_LESSON:
@@ -153,7 +147,7 @@ def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
 
 
 def is_lesson_text(text: str) -> bool:
-    """Return True if `text` is a lesson rather than a scenario, because it has pages."""
+    """Return True for a lesson rather than a scenario."""
     return re.search(r"^\s*\[\[\s*pages\s*\]\]", text, re.MULTILINE) is not None
 
 
@@ -196,7 +190,7 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
 
 
 def number_in(text: str) -> float | None:
-    """Parse a number with commas, a minus sign or a percent sign, or return None."""
+    """Parse a number with commas, minus or percent sign."""
     number = written_number(text)
     return None if number is None else number.value
 

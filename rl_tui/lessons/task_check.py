@@ -1,5 +1,6 @@
-"""The check of a lesson's tasks, by replaying the attempts recorded with them. A task must pass its
-accepted attempts, fail its rejected ones, and not pass while the learner only waits.
+"""The check of a lesson's tasks.
+
+A task must pass its accepted attempts, fail its rejected ones, and not pass while the learner only waits.
 """
 
 from __future__ import annotations
@@ -54,24 +55,18 @@ MOST_STEPPED: Final = 20_000
 def waiting_findings(
     task: JudgedTask, where: Location, ends: Sequence[int], panels: Panels, on_end: OnEnd = ignore_end
 ) -> Iterator[Finding]:
-    """Yield an error if the task is passed without any action. It is judged at the start, at the first
-    steps, at the end of the first episodes, after 1,000 steps and more, after the default number of
-    episodes, and at `ends`.
+    """Yield an error if the task is passed without any action.
 
-    Args:
-        task: The task.
-        where: Place in the file.
-        ends: Steps at which attempts ended.
-        panels: Decides conditions over seeds.
-        on_end: Called with the run, and may raise.
+    It is judged at the first steps, at the end of the first episodes, after 1,000 steps and more, and at
+    `ends`.
     """
     beginning = begin(task.setup)
     run, kept = Run(task.setup, beginning, evaluate=False, episode_limit=beginning.world.budget), Kept()
     try:
         for _ in _moments(run, ends):
             if verdict(task, run, panels, kept).passed is not None:
-                found = f"a pass after {run.step:,} steps in which nothing was done"
-                yield Finding(where, found, "a task that cannot be passed by waiting")
+                found = f"a run without changes passes after {run.step:,} steps; add a stricter condition"
+                yield Finding(where, found)
                 return
     except UserError:
         return  # a breakdown, such as an endless episode, ends the waiting
@@ -80,7 +75,6 @@ def waiting_findings(
 
 
 def _moments(run: Run, ends: Sequence[int]) -> Iterator[None]:
-    """Advance `run` to each moment at which it is judged."""
     yield
     episodes = episodes_of(run.recipe.scenario)
     most = _most(run)
@@ -104,11 +98,11 @@ def _most(run: Run) -> int:
 
 
 class _TooLongError(Exception):
-    """The limit of waiting is exceeded."""
+    pass
 
 
 def _goes_on(run: Run, goal: Goal, most: int) -> bool:
-    """Advance `run` to `goal`. Return False if that takes more than `most` steps."""
+    """Return False if `goal` takes more than `most` steps."""
 
     def on_progress(done: int, wanted: int) -> None:
         if run.step > most:
@@ -143,19 +137,16 @@ class UndecidedPanels:
 
 
 class _Judged(NamedTuple):
-    """The verdict on an attempt, and the step at which it ended."""
-
     view: TaskView
     step: int
 
     @property
     def is_undecided(self) -> bool:
-        """True if only undecided conditions prevent a pass."""
         return any(each.found == _LEFT_OUT for each in self.view.conditions)
 
 
 class TaskCheck:
-    """Checks the task of `page`, which has the index `number`."""
+    """Checks the task of `page`, with the index `number`."""
 
     def __init__(
         self, lesson: Lesson, number: int, page: Page, task: Task, budget: StepBudget, *, quick: bool
@@ -172,14 +163,12 @@ class TaskCheck:
         """Yield missing hints, solution or attempts."""
         task = self._task
         if not task.hints:
-            yield Finding((*self._where, "hints"), "no hint", "at least one hint")
+            yield Finding((*self._where, "hints"), "missing; add at least one hint")
         if not task.solution:
-            yield Finding((*self._where, "solution"), "no solution", "a text to show after the last hint")
+            yield Finding((*self._where, "solution"), "missing; add a text to show after the last hint")
         if len(task.rejects) < LEAST_REJECTS:
-            found = f"{len(task.rejects)} wrong attempts"
-            yield Finding(
-                (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more attempts that must fail"
-            )
+            found = f"{len(task.rejects)} attempts that must fail; give {LEAST_REJECTS} or more"
+            yield Finding((*self._where, "rejects"), found)
 
     def findings(self, figures: LessonFigures, on_attempt: OnAttempt) -> Iterator[Finding]:
         """Yield the errors of the task."""
@@ -188,7 +177,7 @@ class TaskCheck:
         if self._task.program is not None and self._quick:
             return
         if not self._task.accepts:
-            yield Finding((*self._where, "accepts"), "no attempt", "at least one attempt that passes")
+            yield Finding((*self._where, "accepts"), "missing; add at least one attempt that passes")
         ends = list[int]()
         for key, attempts in (("accepts", self._task.accepts), ("rejects", self._task.rejects)):
             for place, attempt in enumerate(attempts):
@@ -208,10 +197,10 @@ class TaskCheck:
     def _skeleton_findings(self, program: ProgramToWrite) -> Iterator[Finding]:
         if self._judged_program(program.skeleton).view.passed is not None:
             where = (*self._where, "program", "skeleton")
-            yield Finding(where, "a skeleton that already passes", "a skeleton in which something is missing")
+            yield Finding(where, "the skeleton already passes; leave out a part")
 
     def findings_over_seeds(self, on_attempt: OnAttempt) -> Iterator[Finding]:
-        """Yield attempts whose verdict is wrong under one of 100 seeds."""
+        """Yield attempts with a wrong verdict under 100 seeds."""
         for key, attempts in (("accepts", self._task.accepts), ("rejects", self._task.rejects)):
             for place, attempt in enumerate(attempts):
                 if attempt.claim or self._task.program is not None or _is_by_hand(attempt):
@@ -224,35 +213,32 @@ class TaskCheck:
                     return
                 wanted = SEEDS_OF_VARIANTS if key == "accepts" else 0
                 if passed != wanted:
-                    found = f"{shown(attempt.name)}, which passes under {passed} of {SEEDS_OF_VARIANTS} seeds"
-                    yield Finding((*self._where, key, place), found, f"under {wanted or 'none'} of them")
+                    found = f"{shown(attempt.name)} passes under {passed} of {SEEDS_OF_VARIANTS} seeds"
+                    must = "all" if wanted else "none"
+                    yield Finding((*self._where, key, place), f"{found}; it must pass under {must} of them")
 
     def _attempt_findings(self, attempt: Attempt, where: Location, ends: list[int]) -> Iterator[Finding]:
-        """Yield an error if the verdict on an attempt is wrong, and append its last step to `ends`."""
         try:
             judged = self._judged(attempt)
         except StepBudgetError as fault:
             yield _too_long(where, shown(attempt.name), fault)
             return
         except UserError as fault:
-            yield Finding(where, f"{shown(attempt.name)}: {fault}", "an attempt that can be replayed")
+            yield Finding(where, f"{shown(attempt.name)} cannot be replayed: {fault}")
             return
         ends.append(judged.step)
         has_passed = judged.view.passed is not None
         if has_passed and where[-2] == "rejects":
-            yield Finding(where, f"{shown(attempt.name)}, which passes", "an attempt that fails")
+            yield Finding(where, f"{shown(attempt.name)} passes; give an attempt that fails")
         if where[-2] == "accepts" and not has_passed and not (self._quick and judged.is_undecided):
-            yield Finding(
-                where, f"{shown(attempt.name)}, refused: {_why(judged.view)}", "an attempt that passes"
-            )
+            why = _why(judged.view)
+            yield Finding(where, f"{shown(attempt.name)} fails: {why}; give an attempt that passes")
 
     def _judged_program(self, code: str) -> _Judged:
         return _Judged(judged_program(judged_task(self._lesson, self._page.id), code), 0)
 
     def _passes(self, attempt: Attempt, seed: int) -> bool:
-        """Return True if an attempt passes under `seed`, False if it breaks down. Raises StepBudgetError
-        at too many steps.
-        """
+        """Return False if an attempt breaks down. Raises StepBudgetError."""
         try:
             return self._judged(attempt, seed).view.passed is not None
         except UserError:
@@ -268,17 +254,16 @@ class TaskCheck:
         return _Judged(judge(task, run, self._panels), run.step)
 
     def _proof_findings(self, proof: ImpossibilityProof, figures: LessonFigures) -> Iterator[Finding]:
-        """Yield an error if the best possible value would meet the condition, so that nothing is proved."""
+        """Yield an error if the best possible value meets the condition, so that nothing is proved."""
         condition = self._task.conditions[proof.condition]
         try:
             best = figures.value(proof.best)
         except UserError:
             return  # reported for the figure itself
         if is_met(condition, best):
-            found = f"{proof.best}, {in_digits_of(best, '')}, with which {shown(condition.text)} holds"
-            yield Finding(
-                (*self._where, "proof", "best"), found, "a best value for which the condition fails"
-            )
+            found = f"{shown(condition.text)} holds for {proof.best}, {in_digits_of(best, '')}"
+            fix = "give a best value for which the condition fails"
+            yield Finding((*self._where, "proof", "best"), f"{found}; {fix}")
 
 
 def _too_long(where: Location, what: str, fault: StepBudgetError) -> Finding:
@@ -286,7 +271,6 @@ def _too_long(where: Location, what: str, fault: StepBudgetError) -> Finding:
 
 
 def _why(view: TaskView) -> str:
-    """Return the first unmet condition with its value, or the first remark about a program."""
     if view.remarks:
         return view.remarks[0]
     for condition in view.conditions:

@@ -32,12 +32,12 @@ class Play(Command):
 
 @dataclass(frozen=True, slots=True)
 class WatchLearning(Command):
-    """Run at a speed that follows learning, until another speed is set."""
+    """Run at a speed that follows learning."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pause(Command):
-    """Pause. This also ends `RunEpisode` and the like early."""
+    """Pause, and end `RunEpisode` and the like early."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,28 +47,33 @@ class Step(Command):
 
 @dataclass(frozen=True, slots=True)
 class RunEpisode(Command):
-    """Run at full speed to the end of the current episode, then pause."""
+    """Run at full speed to the episode's end, then pause."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunSweep(Command):
-    """Run at full speed to the end of a sweep of `phase`, then pause. A sweep of the other phase is
-    finished first.
-    """
+    """Run at full speed to the end of a sweep of `phase`, after any other one, then pause."""
 
     phase: SweepPhase
 
 
 @dataclass(frozen=True, slots=True)
 class Train(Command):
-    """Take exactly `steps` steps (fewer if the run ends) before any other command."""
+    """Take exactly `steps` steps (fewer if the run ends) first."""
 
     steps: int
 
 
 @dataclass(frozen=True, slots=True)
+class LetPass(Command):
+    """Let `ticks` sixtieths of a second pass for a run without a clock, and take the steps then due first."""
+
+    ticks: int
+
+
+@dataclass(frozen=True, slots=True)
 class SetSpeed(Command):
-    """Set the speed in steps per second, or None for full speed."""
+    """Set the speed in steps per second, None for full speed."""
 
     speed: float | None
 
@@ -89,7 +94,7 @@ class Restart(Command):
 
 @dataclass(frozen=True, slots=True)
 class LookAt(Command):
-    """Copy only what `viewport` shows of a large world."""
+    """Copy only `viewport` of a large world."""
 
     viewport: Viewport
 
@@ -101,7 +106,7 @@ class StepBack(Command):
 
 @dataclass(frozen=True, slots=True)
 class EpisodeBack(Command):
-    """Pause at the beginning of the current episode, or of the previous one if it has only begun."""
+    """Pause at the beginning of the episode or, if just begun, of the previous one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +119,7 @@ class GoTo(Command):
 
 @dataclass(frozen=True, slots=True)
 class ChooseBranch(Command):
-    """Pause on another branch at the current step, or at its end if that is earlier."""
+    """Pause on another branch at this step, or at its end if earlier."""
 
     branch: int
 
@@ -128,7 +133,7 @@ class RunUntil(Command):
 
 @dataclass(frozen=True, slots=True)
 class ToggleBreakpoint(Command):
-    """Set or clear a breakpoint at a state or pair."""
+    """Set or clear a breakpoint."""
 
     state: int | None = None
     pair: int | None = None
@@ -141,14 +146,14 @@ class ClearBreakpoints(Command):
 
 @dataclass(frozen=True, slots=True)
 class Take(Command):
-    """Pause if running, and take one step with this action (its number)."""
+    """Pause if running, and take one step with this action."""
 
     action: int
 
 
 @dataclass(frozen=True, slots=True)
 class AddLane(Command):
-    """Add a run that differs by `changes` and let it catch up. With `next_seed` its seed is new."""
+    """Add a run that differs by `changes`, perhaps with a new seed."""
 
     changes: tuple[Setting, ...] = ()
     next_seed: bool = False
@@ -156,71 +161,71 @@ class AddLane(Command):
 
 @dataclass(frozen=True, slots=True)
 class AddBranch(Command):
-    """Show a branch of the visible run, counted from 0, as a second run."""
+    """Show a branch (from 0) as a second run."""
 
     branch: int
 
 
 @dataclass(frozen=True, slots=True)
 class ChooseLane(Command):
-    """Make another run visible, counted from 0. Later changes apply to it."""
+    """Make another run (from 0) visible, to which later changes apply."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
 class DropLane(Command):
-    """End a run, counted from 0, unless it is the only one."""
+    """End a run (from 0), but not the only one."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
 class MarkLane(Command):
-    """Make a run, counted from 0, the second visible one."""
+    """Make a run (from 0) the second visible one."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
 class StudySeeds(Command):
-    """Train the current settings under many seeds in the background, replacing an earlier study."""
+    """Train under many seeds in the background, replacing an earlier study."""
 
 
 @dataclass(frozen=True, slots=True)
 class EndStudy(Command):
-    """End the study of many seeds and hide it."""
+    """End and hide the study of many seeds."""
 
 
 @dataclass(frozen=True, slots=True)
 class FollowCell(Command):
-    """Report the history of Q of `pair` in snapshots, or None to stop."""
+    """Report the history of Q of `pair`, None to stop."""
 
     pair: int | None
 
 
 @dataclass(frozen=True, slots=True)
 class AskFlips(Command):
-    """Report in snapshots at which γ the optimal actions change, once known."""
+    """Report at which γ the optimal actions change."""
 
 
 @dataclass(frozen=True, slots=True)
 class AskCheck(Command):
-    """Report the world check in snapshots as it arrives, or stop it."""
+    """Report the world check as it arrives, or stop."""
 
     is_asked: bool
 
 
 @dataclass(frozen=True, slots=True)
 class StudyPolicy(Command):
-    """Report policy values in snapshots, with all values of this policy, or None to stop."""
+    """Report values of this policy, None to stop."""
 
     kind: PolicyKind | None
 
 
 @dataclass(frozen=True, slots=True)
 class DrawAction(Command):
-    """Set the action (its number) of a state in the drawn policy, or None removes it."""
+    """Set or remove a state's action in the drawn policy."""
 
     state: int
     action: int | None
@@ -240,16 +245,14 @@ class HideAnswer(Command):
 
 @dataclass(frozen=True, slots=True)
 class OpenEditor(Command):
-    """Report the draft of the visible run's world in snapshots, or stop."""
+    """Report the draft of the visible world, or stop."""
 
     is_open: bool
 
 
 @dataclass(frozen=True, slots=True)
 class DrawWorld(Command):
-    """Edit the world of the visible run in one stroke. Edits without a valid result are pending until
-    later ones make it valid.
-    """
+    """Edit the visible world in one stroke, pending until later ones make it valid."""
 
     edits: tuple[Edit, ...]
 
@@ -261,41 +264,40 @@ class UndoStroke(Command):
 
 @dataclass(frozen=True, slots=True)
 class RedoStroke(Command):
-    """Redo the stroke that was undone last."""
+    """Redo the last undone stroke."""
 
 
 @dataclass(frozen=True, slots=True)
 class AskWhy(Command):
-    """Report in snapshots why nothing is learned yet: always, or only after many episodes."""
+    """Report why nothing is learned yet, or only slowly."""
 
     is_asked: bool
 
 
 @dataclass(frozen=True, slots=True)
 class ChooseTable(Command):
-    """Restart the watched program with the table `name` as its Q."""
+    """Restart the watched program with another table as its Q."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class KeepLesson(Command):
-    """Save the progress in a lesson with the runs, and judge the task of its page. An open prediction
-    pauses the visible run.
-    """
+    """Save progress in a lesson, and judge its open task. An open prediction pauses the run."""
 
     lesson: LessonRecord
 
 
 @dataclass(frozen=True, slots=True)
 class WatchProgram(Command):
-    """Watch the program in this file in its own process, for the task of the lesson's page."""
+    """Watch a program file for the open task."""
 
     path: Path
 
 
 _AT_ANY_TIME: Final = (
-    *(LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskCheck, AskWhy, OpenEditor),
+    *(LetPass, LookAt, FollowCell, MarkLane, EndStudy, SetSpeed),
+    *(StudyPolicy, AskFlips, AskCheck, AskWhy, OpenEditor),
 )
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that change nothing worth saving."""
@@ -324,9 +326,7 @@ def takes_steps(command: Command) -> bool:
 
 
 def is_taken_while_seeking(command: Command, seek: Seek | None) -> bool:
-    """Return True if `command` need not wait for a seek. `seek` belongs to the visible run, or None if
-    only other runs have to catch up.
-    """
+    """Return True if `command` need not wait. `seek` is None if only other runs seek."""
     kind = type(command)
     if seek is None and kind in _FROM_HERE:
         return True

@@ -1,4 +1,4 @@
-"""The functions of a playback: one for each command, and one for each state."""
+"""One function for each command, and one for each state."""
 
 from __future__ import annotations
 
@@ -66,6 +66,11 @@ def _take(playback: Playback, command: commands.Take) -> None:
     playback.stop_if_due()
 
 
+def _let_pass(playback: Playback, command: commands.LetPass) -> None:
+    if not playback.automatic and playback.state is State.RUNNING:
+        playback.transport.ticks_left += command.ticks
+
+
 def _run_sweep(playback: Playback, command: commands.RunSweep) -> None:
     playback.rest()
     run = playback.group.built_in.run
@@ -115,7 +120,7 @@ def _change_world(playback: Playback, change: WorldChange | None) -> None:
 
 
 def make_changes_that_waited(playback: Playback) -> bool:
-    """Make pending changes whose world is ready and return True if more are pending."""
+    """Make changes with ready worlds. Return True if more are pending."""
     run, editor = playback.group.built_in.run, playback.editor
     try:
         while editor.is_ahead:
@@ -237,6 +242,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.RunSweep: _run_sweep,
     commands.RunUntil: lambda playback, command: playback.run_until(command.until),
     commands.Train: lambda playback, command: playback.train(command.steps),
+    commands.LetPass: _let_pass,
     commands.SetSpeed: lambda playback, command: playback.transport.set_speed(command.speed),
     commands.Apply: lambda playback, command: _change(playback, command.change),
     commands.Restart: _restart,
@@ -276,7 +282,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
 
 
 def continue_seek(playback: Playback) -> float:
-    """Advance the seek. At its end, resume the previous state."""
+    """Advance the seek, and at its end resume."""
     transport = playback.transport
     playback.waits = playback.compilation.waits(transport.steps_to_seek)
     if not playback.waits and transport.continue_seek(AT_ONCE):
@@ -302,7 +308,6 @@ def _continue_training(playback: Playback) -> float:
 
 
 def _continue_rebuild(playback: Playback) -> float:
-    """Make changes whose world is ready; after the last one, resume."""
     if make_changes_that_waited(playback):
         return LOOK_AGAIN
     if playback.group.seeking:
@@ -333,7 +338,7 @@ def _continue_until(playback: Playback) -> float:
 
 
 def _continue_running(playback: Playback) -> float | None:
-    if not playback.automatic:
+    if not playback.automatic and not playback.on_the_way:
         return _stand_still(playback)
     run, before = playback.group.current.run, playback.group.current.run.step
     wait = playback.transport.keep_pace()
@@ -344,14 +349,15 @@ def _continue_running(playback: Playback) -> float | None:
 
 
 def _stand_still(playback: Playback) -> float | None:
-    """Complete the trails, then work on background questions."""
     if not playback.automatic:
         return None
     group = playback.group
     had_news = not group.trails_are_whole
     if had_news:
         group.find_trails(CHUNK)
-    goes_on = not group.trails_are_whole or playback.questions.work(group, playback.pins_beside.drawn)
+    goes_on = had_news and not group.trails_are_whole
+    if not goes_on and playback.questions.studied is not None:
+        goes_on = playback.questions.work(group, playback.pins_beside.drawn)
     playback.changed = playback.changed or had_news or goes_on
     return 0.0 if goes_on else None
 

@@ -1,4 +1,4 @@
-"""The work of a player without its thread, in short pieces."""
+"""The work of a player in short pieces, without its thread."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import (
     LOOKING,
@@ -39,17 +40,16 @@ if TYPE_CHECKING:
 
 
 class Playback:
-    """A state machine that handles commands and works in chunks of about 15 ms; states are in `state.py`,
-    functions in `handlers.py`. Call `work` repeatedly, as soon as its result says. In between, pass
-    commands for which `takes` is true to `handle`, and take a `snapshot` if `changed`.
+    """A state machine that handles commands and works in chunks of about 15 ms.
+
+    States are in `state.py`, functions in `handlers.py`. Call `work` repeatedly, as soon as its result says.
+    In between, pass commands for which `takes` is true to `handle`, and take a `snapshot` if `changed`.
 
     Args:
         recipe: Start of the run.
         speed: Steps per second, or None for full speed.
         automatic: False if only commands take steps.
-        clock: Returns seconds.
-        on_exact: Called from any thread when a background answer has arrived.
-        record: Position at which to begin.
+        on_exact: Called from any thread for a background answer.
     """
 
     handlers: Mapping[type, Callable[[Any, Any], None]] = HANDLERS
@@ -108,29 +108,28 @@ class Playback:
 
     @property
     def loaded(self) -> tuple[bool, bool]:
-        """True once the world is built, and True while runs are interpreted; libraries are loaded in
-        between.
-        """
+        """True once the world is built, and while interpreted. Libraries are loaded in between."""
         return self.state is not State.BUILDING, self.compilation.interpreted
 
     @property
     def on_the_way(self) -> bool:
-        """True while a requested operation with an end is unfinished."""
-        return self.state in UNFINISHED
+        """True while an operation is unfinished."""
+        is_pacing = self.state is State.RUNNING and not self.automatic and self.transport.is_behind
+        return self.state in UNFINISHED or is_pacing
 
     @property
     def unanswered(self) -> float:
-        """Seconds without a response from an awaited program; calls of environments count elsewhere."""
+        """Seconds without a program's response."""
         return 0.0
 
     def close(self) -> None:
-        """Stop background processes. Safe from any thread."""
+        """Stop background processes, from any thread."""
         self.compilation.close()
         self.questions.close()
 
     def takes(self, command: Command) -> bool:
         """Return True if `command` need not wait."""
-        if self.state in BUSY or (not self.automatic and self.state in UNFINISHED):
+        if self.state in BUSY or (not self.automatic and self.on_the_way):
             return False
         if self.state is State.REBUILDING:
             return isinstance(command, WHILE_REBUILDING)
@@ -158,16 +157,14 @@ class Playback:
 
     @property
     def table(self) -> LearnedTable | None:
-        """The live table of the visible run, or None while it is away from its recorded position."""
+        """Live table at the recorded position."""
         is_elsewhere = self.state is State.BUILDING or self.group.seeking or self.editor.is_ahead
         return None if is_elsewhere else table_of(self.group.built_in.run)
 
     def handle(self, command: Command) -> None:
-        """Carry out or start `command`. Errors such as a change that does not fit are reported by the next
-        snapshot.
+        """Carry out or start `command`. The next snapshot reports its errors.
 
-        Raises:
-            UserError: The world of a restart cannot be built.
+        Raises UserError if a restart's world cannot be built.
         """
         kind = type(command)
         self.changed = True
@@ -190,18 +187,18 @@ class Playback:
         self.keep_pins()
 
     def work(self) -> float | None:
-        """Work for some milliseconds and return the seconds until the next call, None for never."""
+        """Work for some milliseconds, and return the seconds until the next call, None for never."""
         if self.state is not State.BUILDING and self.compilation.has_changed(self.group):
             self.transport.measure_anew()
             self.changed = True
-        if self.compilation.is_being_read and self._takes_all_it_can:
+        if self.compilation.interpreted and BACKGROUND.is_loading and self._takes_all_it_can:
             return LOOK_AGAIN
         wait = WORK[self.state](self)
         self.keep_pins()
         return wait
 
     def snapshot(self) -> Snapshot:
-        """Return the newest snapshot. Raises the exception of a failed exact answer."""
+        """Return the newest snapshot. Raises a failed answer's exception."""
         self.changed = False
         if self.state is State.BUILDING:
             if self._beginning is None:
@@ -215,13 +212,12 @@ class Playback:
         return as_left(snapshot, self._record) if returns else snapshot
 
     def answer(self) -> Answer:
-        """Return the solution for the current γ, as far as known."""
+        """Return the solution for the current γ, if known."""
         return self.questions.exact.of(self.group.current.run)
 
     # From one state to another
 
     def _enter(self, state: State) -> None:
-        """Enter `state`, now or after building, seeking or training."""
         if state not in PASSING:
             self._next = state
         if state in PASSING or self.state not in PASSING:
@@ -234,14 +230,13 @@ class Playback:
         return is_running or self.state in (State.SEEKING, State.TRAINING, State.UNTIL)
 
     def build(self) -> None:
-        """Build the world, and on the next call the learner."""
+        """Build the world, then the learner."""
         if self._beginning is None:
             self._beginning = begin(self._recipe)
         else:
             self.start(self._record, self._beginning.world)
 
     def _return(self) -> None:
-        """Leave a temporary state."""
         self.state, self.phase = self._next, PHASES[self._next]
         self.changed = True
 
@@ -271,14 +266,14 @@ class Playback:
         self.stop_if_due()
 
     def run(self) -> None:
-        """Run at the chosen speed, unless running."""
+        """Run at the chosen speed."""
         if self._next is State.PAUSED:
             self.paused_by = ""
             self.transport.start(at_once=True)
             self._enter(State.RUNNING)
 
     def run_until(self, until: Until) -> None:
-        """Run at full speed until an event. Raises UserError if it cannot happen."""
+        """Run at full speed until an event. Raises UserError if impossible."""
         self.rest()
         self.condition = StopCondition(until, self.group.current.run, self.answer)
         self.watch()
@@ -286,7 +281,7 @@ class Playback:
         self._enter(State.UNTIL)
 
     def train(self, steps: int) -> None:
-        """Take exactly `steps` steps (fewer if the run ends) before anything else."""
+        """Take exactly `steps` steps (fewer if the run ends) first."""
         if self.condition is not None:
             self.rest()
         if steps > 0:
@@ -298,29 +293,30 @@ class Playback:
     def end_training(self) -> None:
         """Resume after training."""
         self._return()
+        self.transport.look()
         self.watch()
         self.stop_if_due()
 
     def seek(self) -> None:
-        """Move all runs to their targets: at once if that is quick, else bit by bit."""
+        """Move all runs to their targets, perhaps bit by bit."""
         self.transport.measure_anew()
         self._enter(State.SEEKING)
         continue_seek(self)
 
     def rebuild(self) -> None:
-        """Pause until the world of the editor is ready."""
+        """Pause until the editor's world is ready."""
         self.paused_by = ""
         self._enter(State.REBUILDING)
 
     def stop_if_due(self) -> None:
-        """Pause if the visible run is over or has met a breakpoint."""
+        """Pause at the end or at a breakpoint."""
         run = self.group.current.run
         if not self.end_if_over() and run.noticed and (words := breakpoint_in_words(run)):
             self.rest()
             self.paused_by = words
 
     def end_if_over(self) -> bool:
-        """Stop if the visible run is over and return True in this case."""
+        """Stop if the visible run is over. Return True then."""
         run = self.group.current.run
         if not run.over or self.state in PASSING:
             return False
@@ -329,7 +325,7 @@ class Playback:
         return True
 
     def watch(self) -> None:
-        """Tell the learner what to watch for, in the current world."""
+        """Tell the learner what to watch for."""
         run = self.group.current.run
         if self._pins.edited is not run.edited:
             self._come_to_world_of(run)
@@ -338,12 +334,11 @@ class Playback:
 
     @property
     def _pinned(self) -> Pins:
-        """Pins at the current position."""
         return Pins(self.breakpoints, self.questions.drawn)
 
     @property
     def pins_beside(self) -> Pins:
-        """Pins with the numbers of the second visible run's world."""
+        """Pins in the second world's numbers."""
         beside, pins = self.group.beside, self._pinned
         return pins if beside is None else self._pins.seen_from(beside.run.edited, pins, beside.recipe)
 
@@ -357,7 +352,7 @@ class Playback:
             self.paused_by = "the stop condition is no longer in the world"
 
     def keep_pins(self) -> None:
-        """Move the pins to the current world if the visible run has changed worlds."""
+        """Move the pins to the current world."""
         if self.state is State.BUILDING or self._pins.edited is self.group.current.run.edited:
             return
         if self.state is State.TRAINING:  # training stops at no breakpoint
@@ -366,15 +361,13 @@ class Playback:
             self.watch()
 
     def set_breakpoints(self, breakpoints: Breakpoints) -> None:
-        """Set breakpoints. Raises UserError if the world has no such state or pair."""
+        """Set breakpoints. Raises UserError if the world lacks them."""
         breakpoints.check(self.group.current.run.world.space)
         self.breakpoints = breakpoints
         self.watch()
 
     def _pins_left(self, record: Record) -> NamedPins:
-        """Return the pins of `record` with the numbers of its world. Raises UserError if it has no such
-        states or pairs.
-        """
+        """Return the pins of `record`. Raises UserError if its world lacks them."""
         left = (
             self.group.first if self._pinned == NO_PINS else self.group.world_of(record.lanes[record.shown])
         )
@@ -383,7 +376,7 @@ class Playback:
         return NamedPins(left, self._pinned)
 
     def take_in_change(self) -> None:
-        """Update the state after a change of settings or of the visible run."""
+        """Update the state after another run or other settings."""
         self.paused_by = ""
         self.transport.measure_anew()
         if self._next in ENDED:
@@ -391,11 +384,7 @@ class Playback:
             self.end_if_over()
 
     def start(self, record: Record, world: World) -> None:
-        """Begin with the runs of `record` in `world`, and seek their positions.
-
-        Raises:
-            UserError: The record is impossible in this world.
-        """
+        """Begin with the runs of `record`, and seek. Raises UserError if impossible."""
         from rl_tui.live.pace.transport import Transport
 
         self.group = self.group_of(record, world)

@@ -1,4 +1,4 @@
-"""The playback of a watched program: what differs from the playback of built-in runs."""
+"""The playback of a watched program."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ from rl_tui.live.record import LearnedTable, Record
 from rl_tui.live.restarts import Restarts
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.state import ENDED, State
-from rl_tui.programs.evidence.verdict import CodeFault
-from rl_tui.programs.watched.program_history import ProgramHistory
+from rl_tui.programs.watched.notebook import place_in_words
 from rl_tui.programs.watched.program_process import ProgramRequest
 from rl_tui.programs.watched.watched_program import LOOKS, ProgramFile, WatchedProgram
 from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm
@@ -67,7 +66,7 @@ def _refuse(playback: ProgramPlayback, command: commands.Command) -> None:
     setting, change = "how it learns", "it"
     if isinstance(command, commands.Apply) and isinstance(command.change, SetParameter):
         setting, change = "this", _NAMES.get(command.change.name, command.change.name)
-    file = playback.program.request.path.name
+    file = playback.lead.program.request.path.name
     raise UserError(REFUSED[type(command)].format(setting=setting, change=change, file=file))
 
 
@@ -77,7 +76,7 @@ def _set_speed(playback: ProgramPlayback, command: commands.SetSpeed) -> None:
 
 
 def _choose_table(playback: ProgramPlayback, command: commands.ChooseTable) -> None:
-    playback.restart(replace(playback.program.request, table=command.name))
+    playback.restart(replace(playback.lead.program.request, table=command.name))
 
 
 def _add_lane(playback: ProgramPlayback, command: commands.AddLane) -> None:
@@ -97,9 +96,10 @@ def _drop_lane(playback: ProgramPlayback, command: commands.DropLane) -> None:
 
 
 class ProgramPlayback(Playback):
-    """Plays `program`, ready for its first step, and built-in runs for comparison. The program runs in its
-    own process. It needs permission for each step, and the steps arrive some time later. With `automatic`
-    off it takes steps only on command, and its file is not checked.
+    """Plays `program`, ready for its first step, and built-in runs for comparison.
+
+    The program needs permission for each step, and the steps arrive some time later. Without `automatic` it
+    takes steps only on command, and its file is not checked.
     """
 
     handlers: Mapping[type, Callable[[Any, Any], None]] = {
@@ -129,56 +129,42 @@ class ProgramPlayback(Playback):
         """Restarts the program."""
         self._on_news = on_exact
         self._owed = 0  # steps requested that have not arrived
-        self._traced: set[CodeFault] = set()  # findings for which lines were already requested
         self._is_closed = False
         self.start(self._record, self.lead.world)
         self.changed = True
 
     @property
-    def program(self) -> WatchedProgram:
-        """The watched program."""
-        return self.lead.program
-
-    @property
-    def history(self) -> ProgramHistory:
-        """Its recorded history."""
-        return self.lead.history
-
-    @property
     def on_the_way(self) -> bool:
-        """True while a requested operation with an end is unfinished."""
-        if super().on_the_way or self._owed > 0 or self.restarts.is_awaited:
+        """True while a requested operation is unfinished."""
+        is_starting = self.restarts.newest is not None and self.restarts.is_awaited
+        if is_starting or self._owed > 0 or super().on_the_way:
             return True
         return not self.automatic and self.group.seeking
 
     @property
     def unanswered(self) -> float:
-        """Seconds without a message although the program may continue."""
-        if self.program.is_settled or (self.state is State.PAUSED and not self._owed):
+        """Seconds without an expected message."""
+        if self.lead.program.is_settled or (self.state is State.PAUSED and not self._owed):
             return 0.0
-        silent = time.monotonic() - self.program.heard_at
+        silent = time.monotonic() - self.lead.program.heard_at
         return silent if silent > _UNANSWERED else 0.0
 
     @property
     def record(self) -> Record:
-        """A fixed record, because programs are not saved in sessions."""
+        """A fixed record: programs are not saved."""
         return self._record
 
     @property
     def table(self) -> LearnedTable | None:
-        """None, since programs are not saved in sessions."""
+        """None: programs are not saved."""
         return None
-
-    def takes(self, command: commands.Command) -> bool:
-        """Return True if `command` need not wait."""
-        return super().takes(command) and (self.automatic or not self.on_the_way)
 
     def group_of(self, record: Record, world: World) -> RunGroup:
         """Return the program as the only run."""
         return RunGroup((), world, clock=self.clock, program=self.lead)
 
     def work(self) -> float | None:
-        """Work for some milliseconds and return the seconds until the next call, None for never."""
+        """Work for some milliseconds, and return the seconds to wait."""
         if self._is_closed:
             return None
         if self.automatic:
@@ -191,16 +177,15 @@ class ProgramPlayback(Playback):
             self.transport.continue_seek(CHUNK)
             self.changed = True
         is_still = self.state in (State.PAUSED, *ENDED)
-        self.lead.verdicts.look(self.program.log, is_still=is_still and self.program.is_settled)
-        self._trace_findings()
+        if self.lead.examine(is_still=is_still and self.lead.program.is_settled):
+            self.changed = True
         if wait is None and is_behind:
             return 0.0
-        if wait is None and not self.program.is_settled:
+        if wait is None and not self.lead.program.is_settled:
             return _WHILE_RUNNING
         return LOOKS if wait is None and self.automatic else wait
 
     def _stand_still(self) -> None:
-        """Take in what arrives during a pause, and the steps that were requested."""
         if self._owed:
             self._take_owed()
         elif self.lead.listen():
@@ -208,23 +193,16 @@ class ProgramPlayback(Playback):
         if self.state is State.PAUSED and self.end_if_over():
             self.changed = True
 
-    def _trace_findings(self) -> None:
-        """Request lines of code again after a new finding, because earlier ones may be from another part."""
-        found = {each.fault for each in self.lead.verdicts.newest.findings}
-        if not found <= self._traced:
-            self._traced |= found
-            self.program.trace()
-
     def snapshot(self) -> Snapshot:
         """Return the newest snapshot."""
         if not self.automatic:
-            self.lead.verdicts.look(self.program.log, is_still=self.program.is_settled)
+            self.lead.examine(is_still=self.lead.program.is_settled)
         return replace(super().snapshot(), program=self._program_view())
 
     def close(self) -> None:
         """End the program and its background work."""
         self._is_closed = True
-        self.program.end()
+        self.lead.program.end()
         self.restarts.close()
         super().close()
 
@@ -237,7 +215,7 @@ class ProgramPlayback(Playback):
         super().rest()
 
     def take_step(self) -> None:
-        """Pause if running, and take one step; in the past, show the next one."""
+        """Pause, and take or show one step."""
         if self.state is not State.PAUSED:
             self.rest()
         self.paused_by = ""
@@ -245,7 +223,6 @@ class ProgramPlayback(Playback):
         self._take_owed()
 
     def _take_owed(self) -> None:
-        """Take the requested steps, as far as they arrive in a moment."""
         before = self.lead.step
         self.group.advance(self._owed)
         taken = self.lead.step - before
@@ -255,19 +232,15 @@ class ProgramPlayback(Playback):
             self.stop_if_due()
 
     def run(self) -> None:
-        """Run at the chosen speed from the newest step, unless running."""
+        """Run at the chosen speed from the newest step."""
         self.lead.return_to_newest()
         if not self.end_if_over():
             super().run()
 
     def run_until(self, until: Until) -> None:
-        """Run at full speed until an event. In the past, show it if it was recorded.
-
-        Raises:
-            UserError: The event cannot happen.
-        """
+        """Run until an event, or show a recorded one. Raises UserError if impossible."""
         self.rest()
-        recorded = self.lead.recorded_step(until) if self.history.in_past else None
+        recorded = self.lead.recorded_step(until) if self.lead.history.in_past else None
         if recorded is not None:
             self.group.seek_to(step=recorded)
             if until.event is Event.EPISODE:
@@ -279,7 +252,7 @@ class ProgramPlayback(Playback):
             super().run_until(until)
 
     def train(self, steps: int) -> None:
-        """Take exactly `steps` steps (fewer if it ends) before anything else."""
+        """Take exactly `steps` steps (fewer if it ends) first."""
         self.rest()
         self.lead.return_to_newest()
         if not self.end_if_over():
@@ -288,22 +261,22 @@ class ProgramPlayback(Playback):
     # Restarts
 
     def restart(self, request: ProgramRequest | None = None) -> None:
-        """Restart the program from its seed. The current one is shown until the new one is ready."""
+        """Restart from the seed, with the current program shown meanwhile."""
         self.rest()
-        self.restarts.begin(request or self.program.request, self.history)
+        self.restarts.begin(request or self.lead.program.request, self.lead.history)
         if not self.automatic:
             self.restarts.wait()
 
     def _look_at_file(self) -> None:
-        """Restart after the file was saved, and compare the results."""
         restarts = self.restarts
-        has_news = restarts.look_at_file(self.program.request, self.history)
-        has_news |= restarts.look()
-        if restarts.compare(self.history, is_over=self.program.is_over) or has_news:
-            self.changed = True
+        has_news = restarts.look_at_file(self.lead.program.request, self.lead.history)
+        if restarts.newest is not None:
+            has_news |= restarts.look()
+            has_news |= restarts.compare(self.lead.history, is_over=self.lead.program.is_over)
+        self.changed = self.changed or has_news
 
     def _go_over_to(self, program: WatchedProgram) -> None:
-        """Replace the current program by `program`; questions remain if the world is the same."""
+        """Replace the current program; questions remain if the world is the same."""
         was_running, old = self.state is State.RUNNING, self.lead
         is_same = old.program.world.is_same(program.world)
         if is_same:
@@ -311,7 +284,6 @@ class ProgramPlayback(Playback):
         old.program.end()
         edited = old.edited if is_same else None
         self.lead = ProgramRun(program, self._on_news, automatic=self.automatic, edited=edited)
-        self._traced.clear()
         self.changed = True
         if is_same:
             self.group.replace_program(self.lead)
@@ -329,26 +301,27 @@ class ProgramPlayback(Playback):
             self.run()
 
     def _program_view(self) -> ProgramView:
-        """Return what is shown of the program besides its steps and its table."""
-        program, log, found = self.program, self.program.log, self.lead.found
-        request = program.request
+        program, log, found = self.lead.program, self.lead.program.log, self.lead.found
+        request, found_at = program.request, log.recording.found_at
+        has_exact = program.world is not None and program.world.world.mdp is not None
         return ProgramView(
             title=f"{request.path.name}:{request.agent}" if request.agent else request.path.name,
             environment=log.environments[0].id,
             table=log.table,
+            table_from=found_at if self.lead.history.shown.step <= found_at else 0,
+            wanted=request.table or "",
             looked_for=_LOOKED_FOR if log.table is None else (),
-            verdict=self.lead.verdicts.newest,
+            verdict=self.lead.verdict,
             output=tuple(log.output)[-SHOWN_OUTPUT:],
             notes=tuple(log.notes),
             error=log.error,
             ended=program.is_over,
-            stands_at=None if log.stands_at is None else log.stands_at[1],
+            stands_at=None if log.stands_at is None else place_in_words(*log.stands_at),
             refused=log.refused,
             reloaded=self.restarts.words,
             source=self.restarts.file.source,
+            notebook=self.restarts.file.notebook,
             path=str(request.path),
-            first_step=self.history.first_step,
-            gamma=found.hyperparameters.gamma,
+            gamma=found.hyperparameters.gamma if has_exact else None,
             gamma_source=found.gamma_source,
-            is_agent=request.agent is not None,
         )

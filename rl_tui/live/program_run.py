@@ -1,84 +1,35 @@
-"""The run of a watched program, which a playback plays like a built-in run."""
+"""The run of a watched program, played like a built-in one."""
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.agents.kernels.watch import NOTHING_NOTICED, WatchedEvents, Watching
-from rl_tui.agents.last_step import Author
-from rl_tui.common.errors import UserError
 from rl_tui.live.pace.pacing import CHUNK
 from rl_tui.live.pace.until import Event, Until
-from rl_tui.programs.diagnosis.last_step import ProgramSteps
+from rl_tui.programs.diagnosis.program_learner import Found, ProgramLearner, found_of
 from rl_tui.programs.diagnosis.verdicts import Verdicts
-from rl_tui.programs.evidence.code_names import declared_discount
-from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound
+from rl_tui.programs.evidence.verdict import CodeFault, UpdateFound
 from rl_tui.programs.watched.messages import NO_LIMIT
 from rl_tui.programs.watched.program_history import ProgramHistory, steps_between
 from rl_tui.programs.watched.watched_program import WatchedProgram, error_in_words
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.edited_world import EditedWorld
 from rl_tui.runs.library import recipe_for
-from rl_tui.runs.recipe import UNLIMITED, Recipe, changed_parameter
+from rl_tui.runs.recipe import UNLIMITED, Recipe
 from rl_tui.runs.timeline.branches import Branch, RunRecord, Timeline
 from rl_tui.runs.timeline.run_group import PROGRAM
 
 if TYPE_CHECKING:
-    from rl_tui.agents.hyperparameters import Hyperparameters
-    from rl_tui.agents.learner_counters import Counters
     from rl_tui.programs.watched.program_world import ProgramWorld
     from rl_tui.runs.results import RunResults
     from rl_tui.runs.timeline.table_samples import CellHistory
     from rl_tui.runs.timeline.trail import Trail
-    from rl_tui.worlds.mdp.space import FloatArray, IntArray
-    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
-    from rl_tui.worlds.world import World
-
-
-# What is known about its learning
-
-
-_BUILT_IN: Final[Mapping[Rule, str]] = {
-    Rule.Q_LEARNING: "q-learning",
-    Rule.SARSA: "sarsa",
-    Rule.EXPECTED_SARSA: "expected-sarsa",
-}
-
-
-class Found(NamedTuple):
-    """What is known about the learning of a program."""
-
-    algorithm: str
-    hyperparameters: Hyperparameters
-    gamma_source: str
-
-
-def found_of(update: UpdateFound, numbers: Mapping[str, float], usual: Hyperparameters) -> Found:
-    """Combine the update with the `numbers` in the code and the defaults `usual`, in this order of
-    preference.
-    """
-    declared = declared_discount(numbers)
-    gamma, source = update.gamma, "found"
-    if declared is not None and not gamma:  # with γ = 0 the target has no next state
-        gamma, source = declared[1], "declared"
-    elif gamma is None:
-        gamma, source = usual.gamma, "usual"
-    values = usual
-    for name, value in (("gamma", gamma), ("alpha", update.alpha), ("epsilon", update.epsilon)):
-        if value is not None and math.isfinite(value):
-            with suppress(UserError):  # the program's value may be outside our ranges
-                values = changed_parameter(values, name, value)
-    is_plain = update.place is MovedCell.TAKEN and update.alpha is not None
-    algorithm = _BUILT_IN.get(update.rule, OWN_PROGRAM.id) if is_plain else OWN_PROGRAM.id
-    return Found(algorithm, values, source)
 
 
 def usual_recipe(world: ProgramWorld, seed: int) -> Recipe:
@@ -86,101 +37,22 @@ def usual_recipe(world: ProgramWorld, seed: int) -> Recipe:
     return recipe_for(world.scenario, {}, seed)
 
 
-# Its agent
-
-
-class ProgramLearner:
-    """The agent of `run` at the shown moment: a `PlayedAgent`."""
-
-    converged = False
-    drifted = None
-    phase = None
-    planning = ""
-
-    def __init__(self, run: ProgramRun) -> None:
-        self._run = run
-        self.seconds = CHUNK
-        """Seconds that an advance waits for the program."""
-
-    @property
-    def algorithm(self) -> str:
-        """Id of the algorithm with the same update, or of a program's own."""
-        return self._run.found.algorithm
-
-    @property
-    def hyperparameters(self) -> Hyperparameters:
-        """The values that were found, else the defaults."""
-        return self._run.found.hyperparameters
-
-    @property
-    def q(self) -> FloatArray:
-        """Estimates, `[P]`, or 0 without a table."""
-        return self._run.history.shown.q
-
-    @property
-    def visits(self) -> IntArray:
-        """How often each pair was taken, `[P]`."""
-        return self._run.history.shown.visits
-
-    @property
-    def episodes(self) -> int:
-        """Finished episodes."""
-        return self._run.history.shown.episodes
-
-    @property
-    def counters(self) -> Counters:
-        """Steps, episodes, state of the agent, and the last step."""
-        return self._run.steps.counters
-
-    @property
-    def begins_episode(self) -> bool:
-        """True if an episode has just ended, or nothing has happened yet."""
-        history = self._run.history
-        return history.begin_of_episode(self.episodes + 1) >= history.shown.step
-
-    @property
-    def author(self) -> Author | None:
-        """The program itself if the last step is unexplained."""
-        return None if self._run.steps.is_explained else Author(OWN_PROGRAM.id, self.hyperparameters)
-
-    @property
-    def noticed(self) -> WatchedEvents:
-        """Watched events of the last step, if the program rests after it."""
-        return self._run.events
-
-    @property
-    def mdp(self) -> TabularMDP | None:
-        """Transition table, or None."""
-        return self._run.world.mdp
-
-    def remembered(self, *_: str) -> tuple[FloatArray, ...]:
-        """Return nothing: only one table of a program is known."""
-        return ()
-
-    def set_time_budget(self, seconds: float) -> None:
-        """Wait for at most `seconds` in the next advance."""
-        self.seconds = seconds
-
-
 # The run
 
 
 ENDED_BY_ITSELF: Final = "your program has ended"
 NOT_OURS: Final = "how your program explores is not known"
-_NO_TABLE: Final = "no table was found in your program"
+_UNKNOWN: Final[Mapping[PolicyKind, str]] = {PolicyKind.BEHAVIOUR: NOT_OURS}
+_NO_TABLE: Final = {**_UNKNOWN, PolicyKind.GREEDY: "no table was found in your program"}
 _AT_A_STOP: Final = 0.05
 """Seconds that a pause waits for the program. It usually responds at once."""
 
 
 class ProgramRun:
-    """What `program`, ready for its first step, has recorded: a `Playing` and its `PlayedRun`. The program
-    cannot go back. Its past is shown from the recording, and it goes on from its newest step.
+    """The recording of `program`, ready for its first step: a `Playing` and its `PlayedRun`.
 
-    Args:
-        program: The watched program.
-        on_news: Called from any thread when a verdict has arrived.
-        automatic: False if it advances only on command.
-        edited: Its world, if other runs share it.
+    Its past is shown from the recording, and cannot be changed. `on_news` is called from any thread for a
+    verdict. `edited` is its world, if other runs share it.
     """
 
     seek = None
@@ -196,6 +68,7 @@ class ProgramRun:
         automatic: bool,
         edited: EditedWorld | None = None,
     ) -> None:
+        self.run = self
         self.program = program
         """The watched program."""
         self.history = ProgramHistory(program.log.recording, program.world)
@@ -206,63 +79,77 @@ class ProgramRun:
         """Default recipe of its world."""
         self.edited = edited or EditedWorld(program.world.world)
         """Its world."""
-        self.learner = ProgramLearner(self)
-        """Its agent."""
+        self.world = self.edited.world
+        """The same, without edits."""
+        self.verdict = self.verdicts.newest
+        """The verdict that the agent's settings follow."""
         self.begun_at: int | None = None
         """Step at which an episode was sought by its beginning."""
-        self.events: WatchedEvents = NOTHING_NOTICED
+        self.step = 0
+        """The shown step."""
+        self.found: Found
+        """What is known about its learning."""
+        self.recipe: Recipe
+        """Its world and seed, with what is known about its learning."""
+        self.learner: ProgramLearner
+        """Its agent at the shown step."""
+        self.unknown_policies: Mapping[PolicyKind, str] = _NO_TABLE
+        """Policies without values, each with the reason."""
+        self.events = NOTHING_NOTICED
         """Watched events of the last step, if it rests after it."""
+        self.noticed = False
+        """True if there are any."""
+        self.over = False
+        """True if it has ended, and its last step is shown."""
+        self.message = ""
+        """Why it has ended, as a sentence, empty if it has not."""
         self._watching = Watching()
         self._is_to_arm = False  # new events to stop at, once it rests
         self._last_episode: int | None = None  # number of finished episodes at which it stops
-        self._found: tuple[UpdateFound, Found] | None = None
-        self._steps: tuple[object, ProgramSteps] | None = None
+        self._traced: set[CodeFault] = set()  # findings for which lines were already requested
+        self._known: tuple[UpdateFound, Mapping[str, float]] | None = None
+        self._moment: tuple[object, ...] = ()
         self._take_in()
 
-    @property
-    def run(self) -> ProgramRun:
-        """Itself: a program has one position."""
-        return self
+    def look(self) -> None:
+        """Update agent and settings to the shown moment and the newest verdict."""
+        shown, log, update = self.history.shown, self.program.log, self.verdict.update
+        if self._known is None or self._known[0] is not update or self._known[1] is not log.numbers:
+            self._known = update, log.numbers
+            self.found = found_of(update, log.numbers, self.usual.hyperparameters)
+            algorithm, hyperparameters, _ = self.found
+            self.recipe = replace(self.usual, algorithm=algorithm, hyperparameters=hyperparameters)
+        moment = (shown, shown.step, shown.table is None, update, self.found)
+        if moment != self._moment:
+            self._moment = moment
+            self.step = shown.step
+            self.learner = ProgramLearner(shown, update, self.found)
+            self.unknown_policies = _NO_TABLE if shown.table is None else _UNKNOWN
+        self.learner.noticed, self.noticed = self.events, self.events != NOTHING_NOTICED
+        self.over = self.program.is_over and shown is self.history.newest
+        self.message = self._why_over() if self.over else ""
 
-    @property
-    def found(self) -> Found:
-        """What is known about its learning."""
-        update = self.verdicts.newest.update
-        if self._found is None or self._found[0] is not update:
-            values = found_of(update, self.program.log.numbers, self.usual.hyperparameters)
-            self._found = update, values
-        return self._found[1]
+    def examine(self, *, is_still: bool) -> bool:
+        """Start a verdict when due, or if the program `is_still`. Return True for a new one.
 
-    @property
-    def recipe(self) -> Recipe:
-        """Its world and seed, with what is known about its learning."""
-        found = self.found
-        return replace(self.usual, algorithm=found.algorithm, hyperparameters=found.hyperparameters)
-
-    @property
-    def world(self) -> World:
-        """Its world."""
-        return self.edited.world
-
-    @property
-    def step(self) -> int:
-        """The shown step."""
-        return self.history.shown.step
+        After a new finding, lines of code are requested again, because earlier ones may be from another part.
+        """
+        self.verdicts.look(self.program.log, is_still=is_still)
+        newest = self.verdicts.newest
+        if newest is self.verdict:
+            return False
+        self.verdict = newest
+        found = {each.fault for each in newest.findings}
+        if not found <= self._traced:
+            self._traced |= found
+            self.program.trace()
+        self.look()
+        return True
 
     @property
     def results(self) -> RunResults:
         """Results up to the shown step."""
         return self.history.shown.results
-
-    @property
-    def steps(self) -> ProgramSteps:
-        """The last steps before the shown moment."""
-        shown, update = self.history.shown, self.verdicts.newest.update
-        gamma = self.learner.hyperparameters.gamma
-        key = (shown, shown.step, shown.table is None, update, gamma)
-        if self._steps is None or self._steps[0] != key:
-            self._steps = key, ProgramSteps(shown, update, gamma)
-        return self._steps[1]
 
     @property
     def timeline(self) -> Timeline:
@@ -271,57 +158,37 @@ class ProgramRun:
 
     @property
     def record(self) -> RunRecord:
-        """Its usual recipe: a program is not saved in sessions."""
+        """Its recipe: programs are not saved."""
         return RunRecord(self.usual)
 
     @property
     def trail(self) -> Trail:
-        """Last steps of the episode, oldest first."""
-        return self.steps.trail
+        """Last steps, oldest first."""
+        return self.learner.trail
 
     def find_trail(self, seconds: float) -> None:
         """Do nothing: the trail is known."""
 
     def cell_history(self, pair: int) -> CellHistory | None:
-        """Return the history of the estimate of `pair` up to the shown step, or None without a table."""
+        """Return an estimate's history up to the shown step."""
         return self.history.cell(pair)
 
     @property
-    def noticed(self) -> bool:
-        """True if it rests at a watched event."""
-        return self.events != NOTHING_NOTICED
-
-    @property
-    def over(self) -> bool:
-        """True if it has ended, and its last step is shown."""
-        return self.program.is_over and not self.history.in_past
-
-    @property
     def spent(self) -> bool:
-        """True if its code has run to the end."""
+        """True if its code has ended."""
         log = self.program.log
         return self.over and log.error is None and not log.refused
 
-    @property
-    def message(self) -> str:
-        """Why it has ended, as a sentence, empty if it has not."""
+    def _why_over(self) -> str:
         log = self.program.log
-        if not self.over:
-            return ""
         if log.refused:
             return f"your program cannot be watched: {log.refused}"
         return ENDED_BY_ITSELF if log.error is None else f"your program stopped: {error_in_words(log.error)}"
 
-    @property
-    def unknown_policies(self) -> Mapping[PolicyKind, str]:
-        """Policies without values, each with the reason."""
-        known = {PolicyKind.BEHAVIOUR: NOT_OURS}
-        return known if self.history.shown.table is not None else known | {PolicyKind.GREEDY: _NO_TABLE}
-
     # Going on
 
     def watch(self, watching: Watching | None) -> None:
-        """Stop right after the event `watching`, from the next step if it rests, else within a moment."""
+        """Stop right after an event, within a moment if running."""
         self._watching = watching or Watching()
         if self._last_episode is None:
             self._arm()
@@ -330,7 +197,6 @@ class ProgramRun:
             self.program.hold()
 
     def _arm(self, episodes: int | None = None) -> None:
-        """Tell the program what to stop at, at the latest after `episodes` episodes."""
         self._is_to_arm = False
         asked = asked_for(self._watching, self.program.world)
         if episodes is not None:
@@ -343,26 +209,28 @@ class ProgramRun:
         self.begun_at = None
         if history.in_past:
             history.show(history.shown.step + steps)
+            self.look()
             return
         before = self._last_episode
         self._last_episode = None if episodes == UNLIMITED else history.newest.episodes + episodes
-        if program.is_settled:
-            self._arm(None if self._last_episode is None else episodes)
-        elif self._last_episode != before:
-            self._is_to_arm = True
-            program.hold()
+        self._is_to_arm |= self._last_episode != before
+        if self._is_to_arm or self._last_episode is not None:
+            if program.is_settled:
+                self._arm(None if self._last_episode is None else episodes)
+            elif self._is_to_arm:
+                program.hold()
         if not self._is_to_arm:
             program.let(min(history.newest.step + steps, NO_LIMIT))
-        self.listen(self.learner.seconds)
+        self.listen(CHUNK)
 
     def hold(self) -> None:
-        """Take no further step, and wait for a moment until the program rests."""
+        """Take no further step, and wait for rest."""
         self.program.hold()
         if not self.program.is_settled:
             self.listen(_AT_A_STOP)
 
     def listen(self, seconds: float = 0.0) -> bool:
-        """Read the program's messages for at most `seconds`, until it rests or ends. Return True for news."""
+        """Return True for news within `seconds`."""
         program, until, has_news = self.program, time.monotonic() + seconds, False
         while True:
             left = max(0.0, until - time.monotonic())
@@ -372,24 +240,22 @@ class ProgramRun:
         return self._take_in() or has_news
 
     def _take_in(self) -> bool:
-        """Advance the newest moment to the known steps, and return True for news."""
-        newest, known = self.history.newest, self.program.known
-        has_news = newest.step < known or (newest.table is None and self.program.log.table is not None)
+        program, newest, known = self.program, self.history.newest, self.program.known
+        has_news = newest.step < known or (newest.table is None and program.log.table is not None)
         if has_news:
             self.history.go_on(known)
-        self._found = None  # the numbers in its code may have changed
-        self.events = self._noticed_events()
+        is_seen = program.stopped_by or self._watching.states or self._watching.pairs
+        has_events = is_seen and program.is_at_rest and newest.step
+        self.events = self._events(program.stopped_by) if has_events else NOTHING_NOTICED
+        self.look()
         return has_news
 
-    def _noticed_events(self) -> WatchedEvents:
-        met, newest = self.program.stopped_by, self.history.newest
-        if not self.program.is_at_rest or not newest.step:
-            return NOTHING_NOTICED
+    def _events(self, met: str | None) -> WatchedEvents:
+        newest, world = self.history.newest, self.history.newest.world
         events = WatchedEvents(met == "reward", met == "policy", met == "value")
         last = steps_between(newest.recording, newest.step - 1, newest.step)
-        if not len(last.state) or not (self._watching.states or self._watching.pairs):
+        if not len(last.state):
             return events
-        world = newest.world
         pair = world.pair(int(last.state[0]), int(last.action[0]), int(last.episode_step[0]))
         state = world.landing(
             int(last.next_state[0]), float(last.reward[0]), terminated=bool(last.terminated[0])
@@ -404,12 +270,13 @@ class ProgramRun:
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
     ) -> None:
-        """Show a step or the beginning of an episode (from 1), as far as recorded. There is one branch."""
+        """Show a recorded step, or the beginning of an episode (from 1)."""
         self.begun_at = None
         if episode is not None:
             step = self.begun_at = self.history.begin_of_episode(episode)
         if step is not None:
             self.history.show(step)
+        self.look()
 
     def continue_seek(self, steps: int) -> int:
         """Return 0: a seek is over at once."""
@@ -421,11 +288,10 @@ class ProgramRun:
     def return_to_newest(self) -> None:
         """Show the newest step, where the program goes on."""
         self.history.shown = self.history.newest
+        self.look()
 
     def recorded_step(self, until: Until) -> int | None:
-        """Return the first recorded step after the shown one at which `until` happened. None if there is
-        none, or if it does not depend on steps only.
-        """
+        """Return the next recorded step at which `until` happened, if steps alone determine it."""
         history, shown, newest = self.history, self.history.shown, self.history.newest
         match until.event:
             case Event.STEP if shown.step < until.number <= newest.step:
@@ -441,7 +307,7 @@ class ProgramRun:
 
 
 def asked_for(watching: Watching, world: ProgramWorld) -> dict[str, Any]:
-    """Translate `watching` to a request to the program, as in messages.py."""
+    """Translate `watching` to a request, as in messages.py."""
     asked: dict[str, Any] = {}
     if watching.reward:
         asked["reward"] = True

@@ -1,4 +1,4 @@
-"""Questions about the runs that are answered in snapshots, most of them exactly."""
+"""Questions about the runs that are answered in snapshots."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 
 
 class Questions:
-    """The questions of a playground, equal for all runs. `on_exact` is called when an answer has arrived.
-    With `automatic` off, no answer depends on timing.
+    """The questions of a playground, equal for all runs.
+
+    `on_exact` is called for an answer. Without `automatic`, no answer depends on timing.
     """
 
     def __init__(self, record: Record, on_exact: Callable[[], None], *, automatic: bool) -> None:
@@ -62,16 +63,16 @@ class Questions:
         self._first_updates = FirstUpdates()
 
     def draw(self, state: int, action: int | None) -> None:
-        """Set `action` in `state` of the drawn policy, or None removes it."""
+        """Set or remove a state's action in the drawn policy."""
         self.drawn = self.drawn.with_action(state, action)
 
     def fit(self, space: FiniteSpace) -> None:
-        """Drop parts of the drawn policy and the cell that `space` does not have."""
+        """Drop what `space` does not have."""
         self.drawn = self.drawn.fitting(space)
         self.cell = self.cell if self.cell is not None and self.cell < space.pairs else None
 
     def change_world(self, before: Recipe, now: Recipe) -> None:
-        """Hide the answer again, and clear the drawn policy unless scenario and seed are the same."""
+        """Hide the answer, and clear the policy unless scenario and seed are the same."""
         self.hide_again()
         if (before.scenario, before.seed) != (now.scenario, now.seed):
             self.clear()
@@ -82,18 +83,19 @@ class Questions:
 
     @property
     def kept_back(self) -> frozenset[str]:
-        """Names of what the lesson hides until its page is done."""
+        """Names that the lesson hides now."""
         return frozenset() if self.lesson is None else self.lesson.hidden
 
     def hides_answer(self, scenario: Scenario) -> bool:
-        """Return True if the answer is hidden by a lesson, the user or the `scenario`, in this order."""
+        """Return True if lesson, user or `scenario`, in this order, hide the answer."""
         if "answer" in self.kept_back:
             return True
         return scenario.hides_answer if self.is_hidden is None else self.is_hidden
 
     def hide_again(self) -> None:
-        """Let the scenario decide again, unless the user has hidden the answer: a user who has seen one
-        answer has not seen that of another world.
+        """Let the scenario decide again, unless the user has hidden the answer.
+
+        A user who has seen one answer has not seen that of another world.
         """
         self.is_hidden = self.is_hidden or None
 
@@ -104,20 +106,14 @@ class Questions:
             self._checks.end()
 
     def close(self) -> None:
-        """Stop background processes and refuse new ones. Safe from any thread."""
+        """Stop background processes for good, from any thread."""
         self.seed_studies.close()
         self.flips.close()
         self._checks.close()
         self._judge.close()
 
     def answers(self, run: PlayedRun, drawn: DrawnPolicy, *, is_still: bool) -> AnswersView:
-        """Return the answers known for `run`.
-
-        Args:
-            run: Run in question.
-            drawn: Drawn policy with the numbers of its world.
-            is_still: True if the run is paused.
-        """
+        """Return the known answers, for a policy `drawn` in this world."""
         studied, mdp, left = self.studied, run.world.mdp, None
         policies: Mapping[PolicyKind, PolicyAnswer] = {}
         if mdp is not None and studied is PolicyKind.DRAWN:
@@ -136,26 +132,23 @@ class Questions:
         )
 
     def world_check(self, run: Run) -> WorldCheckView | None:
-        """Return the world check of `run`, or None unless requested."""
+        """Return the world check, if requested."""
         return self._checks.of(run) if self.asks_check else None
 
     def judge(self, run: Run) -> LessonView | None:
-        """Judge the task of the lesson, if any, and return the state of the lesson. Call it also before
-        `run` advances, because quick commands do not each have a snapshot.
+        """Judge the task of the lesson, if any, and return its state.
+
+        Call it also before `run` advances: quick commands do not each have a snapshot.
         """
         return None if self.lesson is None else self._judge.view(self.lesson, run)
 
     def watch_program(self, path: Path) -> None:
-        """Watch the program in the file `path` for the task of the lesson's page."""
+        """Watch the program in `path` for the open task."""
         if self.lesson is not None:
             self._judge.watch(self.lesson, path)
 
     def work(self, group: RunGroup, drawn_beside: DrawnPolicy) -> bool:
-        """Compute one missing answer for the visible, paused runs and return True if there was one.
-        `drawn_beside` is the drawn policy with the numbers of the second run's world.
-        """
-        if self.studied is None:
-            return False
+        """Compute one missing answer for the visible, paused runs. Return True if there was one."""
         runs = [(group.current.run, self.drawn)]
         if group.beside is not None:
             runs.append((group.beside.run, drawn_beside))

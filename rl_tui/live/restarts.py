@@ -1,4 +1,4 @@
-"""Starting a watched program again, on request or after its file was saved."""
+"""Restarts of a watched program, on request or after a save."""
 
 from __future__ import annotations
 
@@ -12,43 +12,34 @@ from rl_tui.programs.watched.watched_program import ProgramFile, WatchedProgram
 
 
 class Reload:
-    """A restart of the program of `request`. `before` is the history of the previous run. `is_saved` is
-    True if the file was saved, so that the results are to be compared.
+    """A restart. Raises UserError without a process.
 
-    Raises:
-        UserError: No process can be started.
+    After the file `is_saved`, the results are to be compared with those of `before`.
     """
 
     def __init__(self, request: ProgramRequest, before: ProgramHistory, *, is_saved: bool) -> None:
         self.is_saved = is_saved
         self.is_watched = False
         """True once it has replaced the previous run."""
-        self._program = WatchedProgram(request)
+        self.program = WatchedProgram(request)
+        """The new process."""
         results = before.newest.results
         self._step, self._episodes = before.newest.step, before.newest.episodes
         self._return = results.greedy_return
         self._mean = results.return_last_100
 
     def is_ready(self) -> bool:
-        """Return True if it is ready for its first step. Raises UserError if it failed."""
-        self._program.listen()
-        self._program.check()
-        is_there = bool(self._program.log.environments) and self._program.is_settled
-        return is_there and self._program.world is not None  # a world that is too large is refused here
-
-    def wait(self) -> None:
-        """Wait until it is ready. Raises UserError if it failed."""
-        self._program.wait_for_environment()
-
-    def taken(self) -> WatchedProgram:
-        """Return the program, which the caller owns from now on."""
-        self.is_watched = True
-        return self._program
+        """Return True when ready for the first step. Raises UserError if it failed."""
+        self.program.listen()
+        self.program.check()
+        is_there = bool(self.program.log.environments) and self.program.is_settled
+        return is_there and self.program.world is not None  # a world that is too large is refused here
 
     def compared(self, now: ProgramHistory, *, is_over: bool) -> str:
-        """Compare the results with the previous run, or return "" until it is as long. Both are compared
-        after equally many episodes, because a better agent takes fewer steps. If no episode had ended, both
-        are compared after equally many steps.
+        """Compare the results with the previous run, or return "" until it is as long.
+
+        Both are compared after equally many episodes, because a better agent takes fewer steps, or steps if
+        no episode had ended.
         """
         newest, episodes = now.newest, self._episodes
         has_come_as_far = newest.episodes >= episodes if episodes else newest.step >= self._step
@@ -69,16 +60,11 @@ class Reload:
         if then is None or after is None:
             return f"restarted from its seed: {where}{mine} there is nothing to compare"
         word = "better than" if after > then else "worse than" if after < then else "the same as"
-        return f"{word} before {where}: {which} is {after:.4g}{mine}, it was {then:.4g}{before}"
-
-    def close(self) -> None:
-        """End the program, unless the caller owns it."""
-        if not self.is_watched:
-            self._program.end()
+        return f"{where}, {word} before: {which} is {after:.4g}{mine}; it was {then:.4g}{before}"
 
 
 class Restarts:
-    """Restarts the program in `file`. `go_over_to` is called when the new one is ready."""
+    """Restarts the program in `file`, and calls `go_over_to` when ready."""
 
     def __init__(self, file: ProgramFile, go_over_to: Callable[[WatchedProgram], None]) -> None:
         self.file = file
@@ -86,32 +72,31 @@ class Restarts:
         self.words = ""
         """Result of the last save, usually empty."""
         self._go_over_to = go_over_to
-        self._newest: Reload | None = None
+        self.newest: Reload | None = None
+        """The last restart, until it is shown and compared."""
 
     @property
     def is_awaited(self) -> bool:
-        """True while a requested restart is not ready."""
-        newest = self._newest
+        """True while a restart is not ready."""
+        newest = self.newest
         return newest is not None and not (newest.is_watched or newest.is_saved)
 
     def begin(self, request: ProgramRequest, before: ProgramHistory, *, is_saved: bool = False) -> None:
-        """Restart with `request`. `before` is the current run. Raises UserError if no process can be
-        started.
-        """
+        """Restart after the run `before`. Raises UserError without a process."""
         self.close()
-        self._newest = Reload(request, before, is_saved=is_saved)
+        self.newest = Reload(request, before, is_saved=is_saved)
 
     def wait(self) -> None:
-        """Wait until the restart has replaced the current run."""
+        """Wait until the restart has replaced the run."""
         try:
-            if self._newest is not None:
-                self._newest.wait()
+            if self.newest is not None:
+                self.newest.program.wait_for_environment()
         except UserError as fault:
             self._give_up(fault)
         self.look()
 
     def look_at_file(self, request: ProgramRequest, before: ProgramHistory) -> bool:
-        """Restart if the file was saved and return True if there is news."""
+        """Restart if the file was saved. Return True for news."""
         if not self.file.was_saved():
             return False
         fault = self.file.fault()
@@ -126,8 +111,8 @@ class Restarts:
         return True
 
     def look(self) -> bool:
-        """Switch to the restarted program once it is ready and return True if there is news."""
-        newest = self._newest
+        """Switch to the restarted program once ready. Return True for news."""
+        newest = self.newest
         if newest is None or newest.is_watched:
             return False
         try:
@@ -138,23 +123,24 @@ class Restarts:
             return True
         self.file.read_again()
         self.words = "restarted from its seed" if newest.is_saved else ""
-        self._newest = newest if newest.is_saved else None
-        self._go_over_to(newest.taken())
+        self.newest = newest if newest.is_saved else None
+        newest.is_watched = True
+        self._go_over_to(newest.program)
         return True
 
     def compare(self, now: ProgramHistory, *, is_over: bool) -> bool:
-        """Compare once the new run is as long as the old one and return True when it happens."""
-        newest = self._newest
+        """Return True once the new run is as long and compared."""
+        newest = self.newest
         words = newest.compared(now, is_over=is_over) if newest is not None and newest.is_watched else ""
         if words:
-            self.words, self._newest = words, None
+            self.words, self.newest = words, None
         return bool(words)
 
     def close(self) -> None:
-        """End a program that has not replaced the current one."""
-        if self._newest is not None:
-            self._newest.close()
-            self._newest = None
+        """End a program that is not shown yet."""
+        if self.newest is not None and not self.newest.is_watched:
+            self.newest.program.end()
+        self.newest = None
 
     def _give_up(self, fault: UserError) -> None:
         self.close()

@@ -1,4 +1,4 @@
-"""The snapshot: a frozen picture of a run, and the source of every number on screen."""
+"""A frozen picture of a run, and the source of every number on screen."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rl_tui.runs.recipe import Recipe
     from rl_tui.runs.results import RunResults
     from rl_tui.runs.run import WorldChanged
-    from rl_tui.runs.timeline.table_samples import CellHistory
+    from rl_tui.runs.timeline.table_samples import CellHistory, ErrorHistory
     from rl_tui.runs.timeline.trail import Trail
     from rl_tui.studies.many_seeds.figures import SeedStudy
     from rl_tui.studies.world_check.world_checks import WorldCheckView
@@ -61,12 +61,12 @@ PHASES: Final = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AgentView:
-    """The agent with its algorithm and estimates. P is the number of pairs, S of states."""
+    """The agent and its estimates, of P pairs and S states."""
 
     algorithm: str
     """Id of the current algorithm."""
     hyperparameters: Hyperparameters
-    """Current hyper-parameters."""
+    """Current hyperparameters."""
     q: FloatArray
     """Estimates, `[P]`, in a large world 0 outside of `part`, see `holds`."""
     visits: IntArray
@@ -88,12 +88,12 @@ class AgentView:
 
     @property
     def row(self) -> Algorithm:
-        """The algorithm's row in the catalogue; programs with an unknown update have their own."""
+        """The algorithm's row in the catalogue."""
         return algorithm_row(self.algorithm)
 
     @property
     def learned_by(self) -> tuple[str, Hyperparameters]:
-        """Algorithm and hyper-parameters of the last step."""
+        """Algorithm and hyperparameters of the last step."""
         return (self.algorithm, self.hyperparameters) if self.author is None else self.author
 
     def holds(self, pair: int) -> bool:
@@ -155,6 +155,8 @@ class Snapshot:
     """All runs side by side."""
     cell: CellHistory | None = None
     """History of the requested pair, or None."""
+    value_errors: ErrorHistory | None = None
+    """History of the error of V if every state has one action, else None."""
     beside: Snapshot | None = None
     """Snapshot of the second visible run at its own step, without cell history, or None if only one run is
     visible.

@@ -1,4 +1,4 @@
-"""Makes the snapshots of a run: during play, before it begins, and as it was left."""
+"""Makes snapshots of a run: during play, before it begins, and as left."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from rl_tui.runs.recipe import Recipe, Setting, changed_recipe
 from rl_tui.runs.results import RunResults
 from rl_tui.runs.run import Run
 from rl_tui.runs.timeline.branches import Timeline
+from rl_tui.runs.timeline.branching_run import BranchingRun
 from rl_tui.runs.timeline.lane_view import RunGroupView
 from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
@@ -33,20 +34,22 @@ if TYPE_CHECKING:
     from rl_tui.live.questions import Questions
     from rl_tui.runs.played_run import PlayedRun
     from rl_tui.runs.timeline.playing import Playing
+    from rl_tui.runs.timeline.table_samples import ErrorHistory
 
 PREPARING: Final = "building the world"
 REBUILDING: Final = "the world is being rebuilt; learning waits"
+_MOST_WITH_ERRORS: Final = 1_000  # pairs: more would take too long in every frame
 _MOVING: Final = (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
 
 class SnapshotBuilder:
-    """Makes the snapshots of a playground, and caches what a large world needs."""
+    """Makes snapshots, and caches what a large world needs."""
 
     def __init__(self) -> None:
         self._copier: PartCopier | None = None
 
     def before(self, recipe: Recipe, world: World, playback: PlaybackView, *, is_hidden: bool) -> Snapshot:
-        """Return a snapshot before the agent exists; `is_hidden` applies if there is an exact answer."""
+        """Return a snapshot before the agent exists."""
         hyperparameters, pairs = recipe.hyperparameters, world.space.pairs
         visits: IntArray = np.zeros(pairs, np.int64)
         return Snapshot(
@@ -63,9 +66,7 @@ class SnapshotBuilder:
         )
 
     def preparing(self, recipe: Recipe, world: World, record: Record, questions: Questions) -> Snapshot:
-        """Return a snapshot while the runs are built, with the estimates of `record` and the lesson of
-        `questions`.
-        """
+        """Return a snapshot while runs are built, with the estimates of `record`."""
         playback = PlaybackView(message=PREPARING, speed=record.speed)
         is_hidden = questions.hides_answer(recipe.scenario)
         before = self.before(recipe, world, playback, is_hidden=is_hidden)
@@ -73,7 +74,7 @@ class SnapshotBuilder:
         return as_left(replace(before, lesson=lesson), record)
 
     def build(self, playback: Playback, *, has_trail: bool) -> Snapshot:
-        """Return a snapshot of `playback` with all answers, with the trail if `has_trail`."""
+        """Return a snapshot with all answers, and perhaps the trail."""
         group, questions, playing = playback.group, playback.questions, _view_of(playback)
         current, view, cell = group.current, group.view, questions.cell
         pins = Pins(playing.breakpoints, questions.drawn)
@@ -93,6 +94,7 @@ class SnapshotBuilder:
         return replace(
             snapshot,
             study=questions.seed_studies.study_of(group),
+            value_errors=_value_errors(current, snapshot),
             lesson=questions.judge(run),
             editor=playback.editor.view(run, snapshot.exact_answer, is_hidden=is_hidden),
             world_check=questions.world_check(run),
@@ -110,17 +112,9 @@ class SnapshotBuilder:
         has_trail: bool,
         led: Counters | None = None,
     ) -> Snapshot:
-        """Return the snapshot of one run.
+        """Return the snapshot of the run `number` of `view`.
 
-        Args:
-            lane: The run.
-            view: All runs side by side.
-            number: Its index in `view`.
-            playback: State of the playback.
-            questions: Questions to answer.
-            pins: Pins with the numbers of its world.
-            has_trail: Include the trail.
-            led: Agent of the visible run. Its surroundings are copied too.
+        `pins` have its world's numbers. The surroundings of `led`, the visible agent, are copied too.
         """
         run = lane.run
         counters = run.learner.counters
@@ -142,9 +136,6 @@ class SnapshotBuilder:
         )
 
     def _agent(self, run: PlayedRun, agents: Iterable[Counters], viewport: Viewport | None) -> AgentView:
-        """Return the agent with copies of its estimates, in a large world, only the visible part around
-        `agents`.
-        """
         learner = run.learner
         part = None
         if viewport is not None and is_large(run.world):
@@ -181,7 +172,8 @@ def _view_of(playback: Playback) -> PlaybackView:
         speed=transport.speed,
         watching=transport.watching(hides_answer=playback.questions.hides_answer(run.recipe.scenario)),
         steps_per_second=transport.meter.steps_per_second,
-        interpreted=playback.compilation.interpreted,
+        # machine code arrives at any time, which must not show without a clock
+        interpreted=playback.automatic and playback.compilation.interpreted,
         stays_interpreted=playback.compilation.why_not,
         until="" if playback.condition is None else until_in_words(playback.condition.until, run.world),
         paused_by=playback.paused_by,
@@ -191,9 +183,9 @@ def _view_of(playback: Playback) -> PlaybackView:
 
 
 def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
-    """Return `snapshot` with the estimates and step of `record`. Results are left out, because they are
-    unknown before the replay. The snapshot stays unchanged for a bandit, or if the table is unknown or
-    belongs to another world.
+    """Return `snapshot` with the estimates and step of `record`, before the replay.
+
+    Unknown results are left out. The snapshot stays unchanged for a bandit, or without a table of this world.
     """
     table, space, lane = record.table, snapshot.world.space, record.lanes[record.shown]
     if table is None or snapshot.results.bandit is not None or lane.world_changes:
@@ -231,3 +223,10 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         beside=None,
         trail=(),
     )
+
+
+def _value_errors(lane: Playing, snapshot: Snapshot) -> ErrorHistory | None:
+    space, solution = snapshot.world.space, snapshot.exact_answer.solution
+    if solution is None or not isinstance(lane, BranchingRun) or len(space.pair_action) > _MOST_WITH_ERRORS:
+        return None
+    return None if np.diff(space.first_pair).max() > 1 else lane.value_errors(solution.q)

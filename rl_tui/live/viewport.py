@@ -1,8 +1,9 @@
-"""The part of a large world that is copied for each frame."""
+"""The part of a large world copied for each frame."""
 
 from __future__ import annotations
 
 import mmap
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -35,7 +36,7 @@ class Cells(NamedTuple):
 
 
 class RowRange(NamedTuple):
-    """Consecutive rows of a table with one row for each pair."""
+    """Consecutive rows of a table by pairs."""
 
     pairs: int
     """Number of pairs."""
@@ -56,7 +57,7 @@ class Viewport(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CopiedPart:
-    """The copied part of Q and visits; elsewhere both are 0 without meaning."""
+    """The copied part of Q and visits, meaningless zeros elsewhere."""
 
     q: FloatArray
     """Estimates, `[P]`."""
@@ -78,9 +79,10 @@ def first_state_of_cells(grid: Grid) -> IntArray:
 
 
 class PartCopier:
-    """Copies the visible part of one world. A view that follows an agent contains it, so everything
-    visible is closer to the agent than the size of the view. The cost depends only on the size of the
-    views.
+    """Copies the visible part of one world, at a cost that depends on its size only.
+
+    A view that follows an agent contains it, so everything visible is closer to the agent than the size of
+    the view.
     """
 
     def __init__(self, world: World) -> None:
@@ -94,15 +96,7 @@ class PartCopier:
     def copy(
         self, viewport: Viewport, agents: Iterable[Counters], q: FloatArray, visits: IntArray
     ) -> CopiedPart:
-        """Copy the visible part around each of `agents`, with two visible runs, both include the other's
-        surroundings.
-
-        Args:
-            viewport: Visible part.
-            agents: Positions to copy around.
-            q: Estimates, `[P]`.
-            visits: Visits, `[P]`.
-        """
+        """Copy `q` and `visits`, `[P]`, around each of `agents`, those of both visible runs."""
         pairs = np.concatenate([self._pairs_in(viewport, each.state, each.last_step) for each in agents])
         part = CopiedPart(
             _blank(len(q), np.float64), _blank(len(q), np.int64), pairs, _blank(len(q), np.bool_)
@@ -158,7 +152,7 @@ class PartCopier:
 
 
 def followed_state(space: FiniteSpace, state: int, last: LastStep | None) -> int:
-    """Return the state whose row a table follows: the agent's, or the last one with a row."""
+    """Return the state that a table follows: the agent's, or the last with a row."""
     return last.state if last is not None and not space.pairs_of(state) else state
 
 
@@ -171,11 +165,8 @@ def pairs_of_states(space: FiniteSpace, states: IntArray) -> IntArray:
 
 
 def _blank(length: int, kind: type[np.generic]) -> npt.NDArray[Any]:
-    """Return zeros that take memory and time only where they are written; numpy.zeros clears memory taken
-    from the heap.
-    """
+    """Return zeros that take memory and time only where written. From the heap, numpy.zeros clears."""
     size = length * np.dtype(kind).itemsize
-    private = getattr(mmap, "MAP_PRIVATE", None)
-    if private is None:
+    if sys.platform == "win32":
         return np.frombuffer(mmap.mmap(-1, size), dtype=kind)
-    return np.frombuffer(mmap.mmap(-1, size, flags=private | mmap.MAP_ANONYMOUS), dtype=kind)
+    return np.frombuffer(mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS), dtype=kind)

@@ -1,7 +1,4 @@
-"""Text form of journal entries. Each change has a name and a value. The command line and lessons write
-`500:epsilon=0.01`, `800:algorithm=sarsa`, `900:take=left`, `32:sweep=improvement` or
-`700:world.cell[1,2]=#`. Sessions store the same names and values.
-"""
+"""Text form of journal entries, such as `500:epsilon=0.01`, `900:take=left` or `700:world.cell[1,2]=#`."""
 
 from __future__ import annotations
 
@@ -40,13 +37,7 @@ REDO: Final = "world.redo"
 
 
 def name_and_value(change: Change, action_names: Sequence[str] | None = None) -> tuple[str, float | str]:
-    """Return the name and value of `change`.
-
-    Args:
-        change: Change to write.
-        action_names: Names in the world in which the run began. Without them an action stays as the
-            journal has it, a name or a number.
-    """
+    """Return the name and value of `change`. Without `action_names`, an action stays as it is."""
     match change:
         case SetParameter(name, value):
             return name, value
@@ -63,32 +54,23 @@ def name_and_value(change: Change, action_names: Sequence[str] | None = None) ->
 
 
 def change_of(name: str, value: float | str) -> Change:
-    """Return the change that sets `name` to `value`, the inverse of `name_and_value`. Only edits of a
-    world are checked.
-
-    Raises:
-        ValueError: The value does not describe edits of a world.
-    """
+    """Return the change that sets `name`. Raises ValueError only for wrong edits of a world."""
     made_of = _MADE_OF.get(name)
     return SetParameter(name, value) if made_of is None else made_of(value)
 
 
 def read_world(text: str) -> WorldChange:
-    """Parse a change of a world.
-
-    Raises:
-        ValueError: `text` does not describe one.
-    """
+    """Parse a change of a world. Raises ValueError."""
     name, _, value = text.partition("=")
     if name not in (UNDO, REDO):
         return EditWorld(read_edits(text))
     if value != "1":
-        raise ValueError(f"{name} is {shown(value)}; expected {name}=1, one at a time")
+        raise ValueError(f"{name} is {shown(value)}; expected {name}=1, because sweeps run one at a time")
     return UndoEdit() if name == UNDO else RedoEdit()
 
 
 def written_world(change: WorldChange) -> str:
-    """Format `change` so that `read_world` can read it."""
+    """Format `change` for `read_world`."""
     match change:
         case EditWorld(edits):
             return written_edits(edits)
@@ -121,9 +103,7 @@ _WORDS: Final[Mapping[str, tuple[Iterable[str], str]]] = {
 
 
 def written_change(entry: JournalEntry, action_names: Sequence[str]) -> str:
-    """Format `entry` so that `read_change` can read it. `action_names` belong to the world in which the
-    run began.
-    """
+    """Format `entry` for `read_change`, with the action names of the start."""
     name, value = name_and_value(entry.change, action_names)
     return f"{entry.step}:{value}" if name == WORLD else f"{entry.step}:{name}={written_value(value)}"
 
@@ -136,11 +116,7 @@ def written_value(value: float | str) -> str:
 
 
 def read_change(text: str) -> JournalEntry:
-    """Parse a journal entry. The name of an action is not checked.
-
-    Raises:
-        ValueError: `text` is not an entry. The message says what was expected.
-    """
+    """Parse a journal entry, without a check of the action. Raises ValueError."""
     before, colon, after = text.partition(":")
     if colon and after.lstrip().startswith(PREFIX):
         return JournalEntry(_step(text, before), _read(text, WORLD, after.strip()))
@@ -174,7 +150,6 @@ def _read(text: str, name: str, value: str) -> Change:
 
 
 def _number_or_word(name: str, value: str) -> float | str:
-    """Parse a value. Raises ValueError if `name` cannot have it."""
     if name in (TAKE, WORLD):
         return value
     if name in _WORDS:
@@ -198,15 +173,9 @@ def _number_or_word(name: str, value: str) -> float | str:
 
 
 def journal_of(entries: Iterable[JournalEntry], action_names: Sequence[str]) -> tuple[JournalEntry, ...]:
-    """Sort entries by step, and replace names of actions by numbers. After an edit of the world names
-    stay: the run looks them up when it gets there.
+    """Sort entries by step, stably, and replace names of actions by numbers.
 
-    Args:
-        entries: Entries as read; entries of one step keep their order.
-        action_names: Names in the world in which the run begins.
-
-    Raises:
-        UserError: No such action, before the world is edited. The message lists the actions.
+    After an edit of the world, names stay. Before, an unknown name raises UserError.
     """
     journal, names = list[JournalEntry](), action_names
     for entry in sorted(entries, key=lambda entry: entry.step):
@@ -224,7 +193,7 @@ def journal_of(entries: Iterable[JournalEntry], action_names: Sequence[str]) -> 
 
 
 def as_json(journal: Iterable[JournalEntry], action_names: Sequence[str]) -> list[dict[str, Any]]:
-    """Convert `journal` to the list that `train --json` prints: step, name and value of each entry."""
+    """Return step, name and value of each entry, for `train --json`."""
     entries = []
     for entry in journal:
         name, value = name_and_value(entry.change, action_names)

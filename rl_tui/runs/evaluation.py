@@ -1,4 +1,4 @@
-"""Exact returns of the greedy policy during a run, at steps that depend on the step number only."""
+"""Exact returns of the greedy policy during a run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ VISITS_A_STEP: Final = 1_000
 
 
 class GreedyEarnings(NamedTuple):
-    """Expected returns of the greedy policy. Each is None if it has no exact value."""
+    """Expected returns of the greedy policy, or None without an exact value."""
 
     expected_return: float | None = None
     """Expected undiscounted return of an episode."""
@@ -37,9 +37,7 @@ NO_FIGURES: Final = GreedyEarnings()
 
 
 class GreedyReturn:
-    """The exact undiscounted return of the greedy policy, cached until policy or world change. `mdp_now`
-    returns the current world, which differs after each step if it drifts.
-    """
+    """The exact undiscounted return of the greedy policy in the world of `mdp_now`, cached."""
 
     def __init__(self, mdp_now: Callable[[], TabularMDP | None]) -> None:
         self._mdp_now = mdp_now
@@ -47,9 +45,11 @@ class GreedyReturn:
         self._policy: FloatArray | None = None
         self._value: float | None = None
         self._figures: tuple[float | None, GreedyEarnings] | None = None  # with their ε
+        self._judged: TabularMDP | None = None
+        self._is_live = self._is_quick = False  # for the world judged last
 
     def __call__(self, q: FloatArray, ties: Ties) -> float | None:
-        """Return it for the estimates `q`, `[P]`, or None if the policy has no exact return."""
+        """Return it for the estimates `q`, `[P]`, or None."""
         mdp = self._mdp_now()
         if mdp is None:
             return None
@@ -60,19 +60,19 @@ class GreedyReturn:
         return self._value
 
     def figures(self, q: FloatArray, ties: Ties, epsilon: float | None) -> GreedyEarnings:
-        """Return the numbers of the greedy policy that are fast enough for every frame.
+        """Return the numbers that are fast enough for every frame.
 
-        Args:
-            q: Estimates, `[P]`.
-            ties: How equal estimates are resolved.
-            epsilon: Share of random actions, or None if the agent explores in another way.
+        `q` is `[P]`. `epsilon` is None for other ways to explore.
         """
         mdp = self._mdp_now()
-        if mdp is None or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
+        if mdp is not None and mdp is not self._judged:
+            self._is_live = mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
+            self._judged, self._is_quick = mdp, is_quick(mdp)
+        if mdp is None or not self._is_live:
             return NO_FIGURES
         value, policy = self(q, ties), self._policy
         assert policy is not None
-        chance = epsilon if is_quick(mdp) else None
+        chance = epsilon if self._is_quick else None
         if self._figures is None:
             ends = chance_of_ending(mdp, policy) if value is None else None
             self._figures = 0.0, GreedyEarnings(value, ends, value)
@@ -83,7 +83,7 @@ class GreedyReturn:
 
 
 class MarksState(NamedTuple):
-    """A copy of all marks for a checkpoint: spacing, and episode and value of each mark, `[M]`."""
+    """A copy of all marks, `[M]`, for a checkpoint."""
 
     spacing: int
     episode: IntArray
@@ -91,10 +91,10 @@ class MarksState(NamedTuple):
 
 
 class Evaluation:
-    """Marks at multiples of a spacing, which doubles (dropping every other mark) once there are too many.
-    Their positions depend only on the world and the step number. The first spacing is 16 steps, or a
-    larger power of two if an evaluation is slow. Worlds above 20,000 states or without a transition table
-    have no marks. If a world grows beyond that on the way, its marks have no values.
+    """Marks at multiples of a spacing, which doubles once there are too many.
+
+    Positions depend only on the world and the step number. Worlds above 20,000 states or without a transition
+    table have none.
     """
 
     def __init__(self, mdp: TabularMDP | None, greedy_return: GreedyReturn, most: int = MOST_MARKS) -> None:
@@ -111,13 +111,7 @@ class Evaluation:
         """Step of the next mark, or None if no marks are taken."""
 
     def mark(self, episodes: int, q: FloatArray | None, ties: Ties) -> None:
-        """Take the mark that is due.
-
-        Args:
-            episodes: Finished episodes.
-            q: Estimates, `[P]`, or None for a mark without a value.
-            ties: How equal estimates are resolved.
-        """
+        """Take the mark that is due, without a value if `q`, `[P]`, is None."""
         value = None if q is None or not self._has_values else self._greedy_return(q, ties)
         self._episode[self._used] = episodes
         self._value[self._used] = math.nan if value is None else value
@@ -127,7 +121,7 @@ class Evaluation:
         self.next_step = self._used * self._spacing
 
     def change_world(self, mdp: TabularMDP) -> None:
-        """Continue in the world of `mdp`, with a larger spacing if an evaluation is slower there."""
+        """Continue in `mdp`, perhaps with a larger spacing."""
         self._has_values = mdp.states <= MOST_STATES
         if not self._active or not self._has_values:
             return
@@ -153,7 +147,7 @@ class Evaluation:
         return MarksState(self._spacing, self._episode[: self._used].copy(), self._value[: self._used].copy())
 
     def restore(self, state: MarksState) -> None:
-        """Restore the state that `checkpoint` returned."""
+        """Restore the state from `checkpoint`."""
         self._spacing, self._used = state.spacing, len(state.value)
         put_back((self._episode, self._value), state[1:])
         self.next_step = self._used * self._spacing if self._active else None

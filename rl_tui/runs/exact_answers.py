@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
 
 AT_ONCE_STATES: Final = 200
 # Starting from the values before an edit, this many states take less than the 8 ms that a thread would
-# cost,
-# or 50 ms at γ = 1.
+# cost, or 50 ms at γ = 1.
 EDITED_AT_ONCE: Final = 1_000
 # Longer episodes take more than some milliseconds, even in a small world
 LONGEST_AT_ONCE: Final = 1_000
@@ -36,17 +36,17 @@ UNLIMITED: Final = 100
 
 
 def visits_of(mdp: TabularMDP) -> int:
-    """Estimate the cost of an exact evaluation, as visits of an outcome."""
+    """Estimate the visits of an outcome in an exact evaluation."""
     return len(mdp.next_state) * (mdp.time_limit or UNLIMITED)
 
 
 def is_quick(mdp: TabularMDP) -> bool:
-    """Return True if a policy of `mdp` can be evaluated in every frame."""
+    """Return True if policies can be evaluated in every frame."""
     return mdp.states <= AT_ONCE_STATES and mdp.time_limit <= LONGEST_AT_ONCE
 
 
 class Answer(NamedTuple):
-    """An exact solution, or the reason why there is none. Both empty while pending."""
+    """An exact solution or the reason why there is none, both empty while pending."""
 
     solution: Solution | None
     refused: str
@@ -81,7 +81,7 @@ def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
 
 
 class _Worker:
-    """A thread that serves several worlds, the latest request first."""
+    """A thread for several worlds, the latest request first."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -89,7 +89,6 @@ class _Worker:
         self._is_working = False
 
     def add(self, answers: ExactAnswers) -> None:
-        """Queue `answers` as the next to be computed."""
         with self._lock:
             self._waiting.append(answers)
             if not self._is_working:
@@ -97,7 +96,6 @@ class _Worker:
                 threading.Thread(target=self._work, name="exact answers", daemon=True).start()
 
     def drop(self, answers: ExactAnswers) -> None:
-        """Remove `answers` from the queue."""
         with self._lock:
             if answers in self._waiting:
                 self._waiting.remove(answers)
@@ -113,15 +111,10 @@ class _Worker:
 
 
 class ExactAnswers:
-    """Exact solutions of one world by γ: at once for a small world, else in a thread, and none above
-    20,000 states. A world is small if it has few states and a short time limit.
+    """Exact solutions of one world by γ: at once for a small world, else in a thread.
 
-    Args:
-        mdp: World to solve, or None without a transition table.
-        on_ready: Called in the thread when a solution arrives, and again when its return does.
-        solve: Solver of the world.
-        at_once_states: Largest number of states that are solved without a thread.
-        worker: Thread shared with other worlds.
+    Above 20,000 states there are none. `on_ready` is called in the thread for a solution, and again for its
+    return.
     """
 
     def __init__(
@@ -166,7 +159,7 @@ class ExactAnswers:
         return PENDING
 
     def work_out(self) -> None:
-        """Compute the latest requested γ until no request is left. Older requests are skipped."""
+        """Compute the latest requested γ until there is none."""
         while True:
             with self._lock:
                 gamma, self._wanted = self._wanted, None
@@ -186,7 +179,6 @@ class ExactAnswers:
                 return
 
     def _parts(self, gamma: float) -> Iterator[Answer]:
-        """Yield the solution, and then the solution with its return."""
         if self.mdp is None:
             yield Answer(None, NO_TABLE)
             return
@@ -206,39 +198,39 @@ class ExactAnswers:
 
 
 class _Solved(NamedTuple):
-    """The last solution and its world."""
-
     edited: EditedWorld
     recipe: Recipe
     solution: Solution
 
 
 class RunAnswers:
-    """Exact solutions of the most recent worlds; `on_ready` as for `ExactAnswers`. Several runs may be in
-    different worlds. One is solved at a time, the newest first, so that quick edits do not delay each
-    other.
-    """
+    """Exact solutions of the most recent worlds, the newest first."""
 
     def __init__(self, on_ready: Callable[[], None]) -> None:
         self._on_ready = on_ready
         self._worker = _Worker()
         self._of_worlds: deque[ExactAnswers] = deque()
         self._last: _Solved | None = None
+        self._newest: tuple[TabularMDP | None, float, Answer] = (None, math.nan, PENDING)
 
     def of(self, run: PlayedRun) -> Answer:
-        """Return the solution for the current γ of `run`, as far as it is known."""
+        """Return what is known for the current γ of `run`."""
         learner = run.learner
         gamma = learner.hyperparameters.gamma
         if learner.drifted:
             return exact_now(learner.mdp, gamma)
-        answer = self.at(run.world.mdp, gamma, run)
+        mdp, asked, answer = self._newest
+        if run.world.mdp is not mdp or gamma != asked or not answer.is_whole:
+            answer = self.at(run.world.mdp, gamma, run)
+            self._newest = run.world.mdp, gamma, answer
         if answer.solution is not None:
             self._last = _Solved(run.edited, run.recipe, answer.solution)
         return answer
 
     def at(self, mdp: TabularMDP | None, gamma: float, run: PlayedRun | None = None) -> Answer:
-        """Return the solution for `gamma` in `mdp`, as far as it is known. If `run` edited that world, the
-        solver starts from the solution before the edit.
+        """Return what is known for `gamma` in `mdp`.
+
+        If `run` edited it, the solver starts from the solution before.
         """
         known = next((each for each in self._of_worlds if each.mdp is mdp), None)
         if known is None:
@@ -254,7 +246,6 @@ class RunAnswers:
         return known.answer(gamma)
 
     def _from_before(self, run: PlayedRun) -> Solve | None:
-        """Return a solver that starts from the solution before the edit, or None."""
         last, edited, recipe = self._last, run.edited, run.recipe
         if last is None or edited.draft is None or not _begin_alike(last.recipe, recipe):
             return None

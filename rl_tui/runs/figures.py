@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, Solution
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, Solution, why_unsolved
 from rl_tui.agents.exact.policy_figures import figures, greedy_policy
 from rl_tui.agents.exact.solve import returns, solve
 from rl_tui.agents.hyperparameters import Ties
@@ -47,23 +47,21 @@ _LEARNED: Final = (
 
 
 def exact_world(run: Run) -> TabularMDP | None:
-    """Return the current transition table of `run` for exact results. None without a table, or above
-    50,000 states, where results would take minutes.
-    """
+    """Return the current transition table if there is one of at most 50,000 states (2,000 without SciPy)."""
     mdp = run.learner.mdp
-    return None if mdp is None or mdp.states > MOST_STATES else mdp
+    return None if mdp is None or mdp.states > MOST_STATES or why_unsolved(mdp.states) else mdp
 
 
 def why_inexact(run: Run) -> str:
-    """Return the reason why `run` has no exact results, or "" if it has."""
+    """Return why `run` has no exact results, or ""."""
     if run.learner.mdp is None:
         return NO_TABLE
-    left_out = f"left out above {MOST_STATES:,} states; rl-tui solve works the optimum out"
-    return "" if exact_world(run) else left_out
+    left_out = f"not computed above {MOST_STATES:,} states; rl-tui solve computes the optimal values"
+    return "" if exact_world(run) else why_unsolved(run.learner.mdp.states) or left_out
 
 
 def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
-    """Solve `mdp` exactly, or None if that is impossible."""
+    """Solve `mdp` exactly, or None if impossible."""
     if mdp is None:
         return None
     try:
@@ -73,7 +71,7 @@ def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
 
 
 def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
-    """Evaluate the greedy policy of `run` exactly and compare it with `optimum` for its γ."""
+    """Evaluate the greedy policy of `run` exactly."""
     hyperparameters = run.learner.hyperparameters
     return figures_of_estimates(
         exact_world(run), run.learner.q, hyperparameters.ties, hyperparameters.gamma, optimum
@@ -83,15 +81,7 @@ def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
 def figures_of_estimates(
     mdp: TabularMDP | None, q: FloatArray, ties: Ties, gamma: float, optimum: Solution | None
 ) -> GreedyFigures:
-    """Evaluate the greedy policy of estimates exactly.
-
-    Args:
-        mdp: World, or None gives no results.
-        q: Estimates, `[P]`.
-        ties: How equal estimates are resolved.
-        gamma: Discount in [0, 1].
-        optimum: Solution for the same γ, or None.
-    """
+    """Evaluate the greedy policy of `q`, `[P]`, exactly, if there is an `mdp`."""
     if mdp is None:
         return NO_EXACT_FIGURES
     of_policy = figures(mdp, greedy_policy(mdp, q, ties), gamma)
@@ -115,12 +105,7 @@ def head(recipe: Recipe) -> dict[str, Any]:
 
 
 def training_figures(run: Run, seconds: float) -> dict[str, Any]:
-    """Return the document of `train --json`.
-
-    Args:
-        run: Finished run.
-        seconds: Duration of learning.
-    """
+    """Return the document of `train --json`."""
     space, learner = run.world.space, run.learner
     exact = greedy_figures(run, optimum_of(exact_world(run), learner.hyperparameters.gamma))
     measured = measured_run(run, exact)
@@ -144,7 +129,7 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
 
 
 def row_of(seed: int, run: MeasuredRun, world: str | None) -> dict[str, Any]:
-    """Return the row of `run` in `train --runs --json`. `world` is the digest of its table."""
+    """Return the row of a run in `train --runs --json`."""
     return {"seed": seed, **figures_of(run, FIGURES), "world": world, **_pulls(run)}
 
 
@@ -153,12 +138,12 @@ def _pulls(run: MeasuredRun) -> dict[str, float | None]:
 
 
 def world_digest(world: World) -> str | None:
-    """Return the digest of the table of `world`, or None without a table."""
+    """Return the digest of its table, or None."""
     return None if world.mdp is None else table_digest(world.mdp)
 
 
 def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dict[str, Any]:
-    """Return the document of `solve --json` for the world of `recipe`."""
+    """Return the document of `solve --json`."""
     earned = returns(mdp, solution)
     return {
         "scenario": recipe.scenario.id,
@@ -177,7 +162,7 @@ def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dic
 
 
 def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:
-    """Arrange `values`, `[P]`, as rows of states and columns of actions, or None for unavailable actions."""
+    """Arrange `values`, `[P]`, as rows of states; None where unavailable."""
     rows: list[list[Any]] = [[None] * len(space.action_names) for _ in range(space.states)]
     places = zip(space.pair_state.tolist(), space.pair_action.tolist(), values.tolist(), strict=True)
     for state, action, value in places:
@@ -186,15 +171,7 @@ def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:
 
 
 def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
-    """Return the names of the actions with positive probability in each state.
-
-    Args:
-        space: States and actions.
-        policy: π(a|s), `[P]`.
-
-    Returns:
-        One list per state, empty if terminal.
-    """
+    """Return the actions of each state with a positive probability in `policy`, `[P]`."""
     names: list[list[str]] = [[] for _ in range(space.states)]
     chosen = np.flatnonzero(policy)
     states, actions = space.pair_state[chosen].tolist(), space.pair_action[chosen].tolist()
@@ -204,7 +181,7 @@ def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
 
 
 def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
-    """Return mean, standard error (with n − 1), minimum, maximum and count of the finite values."""
+    """Return mean, standard error (n − 1), minimum, maximum and count of the finite values."""
     there = [value for value in values if value is not None and math.isfinite(value)]
     count = len(there)
     mean, stderr = math.fsum(there) / count if there else None, None
@@ -221,7 +198,7 @@ def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
 
 
 def finite(value: Any) -> Any:
-    """Replace every number that is not finite by None in a JSON value."""
+    """Replace numbers that are not finite by None."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):

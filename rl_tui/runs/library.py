@@ -1,4 +1,4 @@
-"""From a scenario to the recipe of a run: defaults of the file, then the user's settings."""
+"""From a scenario to the recipe of a run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ALGORITHMS: Final = f"one of {', '.join(BY_ID)}"
 
 
 def read_catalogue() -> catalogue.Catalogue:
-    """Read every scenario file. A file with wrong defaults counts as broken."""
+    """Read every scenario file. One with wrong defaults counts as broken."""
     sound, broken = [], []
     found = catalogue.read_catalogue()
     for scenario in found.scenarios:
@@ -40,12 +40,7 @@ def read_catalogue() -> catalogue.Catalogue:
 
 
 def find(name_or_path: str) -> Scenario:
-    """Return the scenario with this id, or in this file, and check its defaults.
-
-    Raises:
-        ScenarioError: The file has errors. All of them are listed.
-        UserError: No such scenario. The message suggests similar names.
-    """
+    """Return the scenario with this id or file. Raises ScenarioError with all errors, or UserError."""
     text = ""
     try:
         scenario = catalogue.find(name_or_path)
@@ -60,9 +55,7 @@ def find(name_or_path: str) -> Scenario:
 
 
 def checked(path: str | Path) -> tuple[Scenario | None, list[Fault]]:
-    """Return the scenario in a file (None if its world is wrong) and the errors in file order. After 100
-    errors the list ends with a note.
-    """
+    """Return the scenario in a file (None if its world is wrong) and the first 100 errors."""
     return _checked(str(path), lambda: read_scenario(path))
 
 
@@ -84,11 +77,7 @@ def _checked(file: str, read: Callable[[], Scenario]) -> tuple[Scenario | None, 
 
 
 def reread(scenario: Scenario) -> Scenario | None:
-    """Return the current scenario in the file of `scenario`, or None if it is unchanged or missing.
-
-    Raises:
-        ScenarioError: The file has errors. All of them are listed.
-    """
+    """Return the scenario now in the file of `scenario`, or None if unchanged. Raises ScenarioError."""
     path = scenario.source
     if not scenario.text or not os.path.isfile(path):  # isfile never raises
         return None
@@ -102,12 +91,7 @@ def reread(scenario: Scenario) -> Scenario | None:
 
 
 def recipe_with(scenario: Scenario, recipe: Recipe) -> Recipe:
-    """Return `recipe` for a newer version of its scenario. The seed stays, and so does every setting that
-    differs from the old file's default. The others take the new defaults.
-
-    Raises:
-        UserError: A setting is wrong.
-    """
+    """Return `recipe` for a newer `scenario`, keeping seed and changed settings. Raises UserError."""
     before = recipe_for(recipe.scenario)
     kept: dict[str, object] = {
         name: recipe.hyperparameters.value(name)
@@ -120,23 +104,13 @@ def recipe_with(scenario: Scenario, recipe: Recipe) -> Recipe:
 
 
 def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:
-    """Return the recipe for `scenario`.
-
-    Args:
-        scenario: World and default settings.
-        overrides: Algorithm and hyper-parameters that replace defaults.
-        seed: Seed of all random streams, 0 or more.
-
-    Raises:
-        ScenarioError: The defaults of the file are wrong.
-        UserError: An override is wrong. The message names the range.
-    """
+    """Return the recipe for `scenario`. Raises ScenarioError (defaults) or UserError (`overrides`)."""
     _check_defaults(scenario)
     return _recipe(scenario, overrides or {}, seed)
 
 
 def recipe_named(name_or_path: str, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:
-    """Find a scenario and return its recipe. See `find` and `recipe_for`."""
+    """Find a scenario and return its recipe."""
     return _recipe(find(name_or_path), overrides or {}, seed)
 
 
@@ -153,7 +127,7 @@ def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> R
     hyperparameters = Hyperparameters()
     for name, value in chosen.items():
         if name not in PARAMETERS:
-            raise UserError(f"there is no hyper-parameter {shown(name)}{near(name, PARAMETERS)}")
+            raise UserError(f"there is no setting {shown(name)}{near(name, PARAMETERS)}")
         hyperparameters = changed_parameter(hyperparameters, name, value)
     if POLICY_BY_ID[hyperparameters.policy].needs_step_size and "alpha" not in overrides:
         # a bandit's default, the sample average, is not a step size; a number stays
@@ -162,7 +136,7 @@ def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> R
 
 
 def without_effect(recipe: Recipe, overrides: Mapping[str, object]) -> list[str]:
-    """Return the names in `overrides` that the algorithm and policy of `recipe` do not use."""
+    """Return the `overrides` that `recipe` ignores."""
     used = parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
     return [name for name in overrides if name in PARAMETERS and name not in used]
 
@@ -173,11 +147,7 @@ def episodes_of(scenario: Scenario) -> int:
 
 
 def listing(scenario: Scenario) -> dict[str, Any]:
-    """Build the world of `scenario` and return its row in `list --json`: sizes and complete defaults.
-
-    Raises:
-        UserError: The world cannot be built, or the defaults are wrong.
-    """
+    """Return the row of `scenario` in `list --json`. Raises UserError if its world cannot be built."""
     recipe = recipe_for(scenario)
     mdp = begin(recipe).world.space
     return {

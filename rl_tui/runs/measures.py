@@ -1,4 +1,4 @@
-"""The metrics of a run, with their formulas. `train --json`, many seeds and sweeps use this table."""
+"""The metrics of a run, for `train --json`, many seeds and sweeps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class GreedyFigures:
-    """Exact numbers for a run's greedy policy and estimates, or None if unknown."""
+    """Exact numbers of the greedy policy, or None if unknown."""
 
     value_at_start: float | None = None
     optimal_value_at_start: float | None = None
@@ -53,7 +53,7 @@ class MeasuredRun:
 
 
 def measured_run(run: Run, exact: GreedyFigures = NO_EXACT_FIGURES) -> MeasuredRun:
-    """Return the input of metrics for `run`. `exact` describes its greedy policy."""
+    """Return the input of metrics for `run`."""
     return MeasuredRun(
         run.step,
         run.learner.episodes,
@@ -73,15 +73,8 @@ def measured_run(run: Run, exact: GreedyFigures = NO_EXACT_FIGURES) -> MeasuredR
 class Measure:
     """A metric of a run.
 
-    Attributes:
-        id: Name in files and options.
-        title: Name in tables.
-        unit: Unit of the value.
-        formula: Definition in words.
-        of: Computes the value, or None if the run has none.
-        larger_is_better: None if neither direction is better.
-        may_never_arrive: True if the event may come after the end of training. The value is then None, and
-            counts as later.
+    `of` returns None if there is no value. With `may_never_arrive`, None counts as later than any value.
+    `larger_is_better` is None if neither direction is better.
     """
 
     id: str
@@ -107,8 +100,8 @@ _TABLE: Final = (
         "expected_return",
         "expected return",
         "return",
-        "exact expected undiscounted return of the greedy policy of the final estimates, from the start, "
-        "within the time limit",
+        "exact expected return of the final greedy policy, from the start, undiscounted, within the "
+        "time limit",
         lambda run: run.exact.expected_return,
         larger_is_better=True,
     ),
@@ -116,7 +109,7 @@ _TABLE: Final = (
         "value_at_start",
         "value at the start",
         "discounted return",
-        "exact expected discounted return of that policy from the start, without a time limit",
+        "exact expected return of the final greedy policy, from the start, discounted, without a time limit",
         lambda run: run.exact.value_at_start,
         larger_is_better=True,
     ),
@@ -124,7 +117,7 @@ _TABLE: Final = (
         "optimal_value_at_start",
         "optimal value at the start",
         "discounted return",
-        "the same of the optimal policy",
+        "exact expected return of the optimal policy, from the start, discounted, without a time limit",
         lambda run: run.exact.optimal_value_at_start,
     ),
     Measure(
@@ -152,11 +145,12 @@ _TABLE: Final = (
     ),
     Measure(
         "arrival",
-        "episodes to 5 % from the best",
+        "episodes until within 5 % of the best",
         "episodes",
-        "first mark at which best - g <= 0.05 (best - random). g, best and random are the exact expected "
-        "returns of the greedy, the best (by the clock) and the random policy. The marks are episodes 1, 2, "
-        "3 and so on, each at most 2^(1/4) times the mark before or the next episode, and the last episode",
+        "first mark where best - greedy <= 0.05 (best - random). greedy, best and random are the exact "
+        "expected returns of three policies: the agent's greedy policy, the best policy that may look at the "
+        "time left, and the random policy. Marks are episodes 1, 2, "
+        "3 and so on, later with growing gaps (a factor of at most 2^(1/4)), and the last episode",
         lambda run: run.arrival,
         larger_is_better=False,
         may_never_arrive=True,
@@ -165,12 +159,12 @@ _TABLE: Final = (
         "regret",
         "regret",
         "return",
-        "episodes x best - sum of their returns; of a bandit the sum over all pulls of max q* - "
+        "episodes x best return - sum of the returns; for a bandit, the sum over all pulls of max q* - "
         "q*(pulled arm)",
         _regret,
         larger_is_better=False,
     ),
-    Measure("steps", "steps", "steps", "steps taken in all", lambda run: run.steps),
+    Measure("steps", "steps", "steps", "steps in total", lambda run: run.steps),
     Measure(
         "episodes", "episodes", "episodes", "finished episodes; sweeps of a planner", lambda run: run.episodes
     ),
@@ -178,7 +172,7 @@ _TABLE: Final = (
         "return_last_100",
         "return, last 100 episodes",
         "return",
-        "mean undiscounted return of the last 100 finished episodes, or of as many as there are",
+        "mean undiscounted return of the last 100 finished episodes (all, if there are fewer)",
         lambda run: run.last_100[0],
         larger_is_better=True,
     ),
@@ -186,7 +180,7 @@ _TABLE: Final = (
         "length_last_100",
         "length, last 100 episodes",
         "steps",
-        "mean length of these",
+        "mean length of the last 100 finished episodes",
         lambda run: run.last_100[1],
     ),
     Measure(
@@ -199,7 +193,7 @@ _TABLE: Final = (
     ),
     Measure(
         "first_reward_episode",
-        "first reward that is not 0, episode",
+        "episode of the first reward that is not 0",
         "episodes",
         "the first episode with a reward other than 0, from 1",
         lambda run: run.first_reward_episode or None,
@@ -235,5 +229,5 @@ BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
 
 
 def figures_of(run: MeasuredRun, names: Iterable[str]) -> dict[str, float | None]:
-    """Return the values of the metrics `names` in `run`, in that order."""
+    """Return the metrics `names` of `run`, in that order."""
     return {name: MEASURES[name].of(run) for name in names}

@@ -1,4 +1,4 @@
-"""Policies as JSON files, with an action or the probabilities of actions for each state."""
+"""Policies as JSON files, with an action or probabilities for each state."""
 
 from __future__ import annotations
 
@@ -32,8 +32,6 @@ class _Table(dict[str, Any]):
 
 
 class _Names:
-    """The states and actions of a space by name."""
-
     def __init__(self, space: FiniteSpace) -> None:
         self.states = {name: state for state, name in enumerate(space.state_names)}
         self._first_pair: list[int] = space.first_pair.tolist()
@@ -41,25 +39,15 @@ class _Names:
         self._actions = space.action_names
 
     def pairs_of(self, state: str) -> dict[str, int]:
-        """Return the pair of each available action in the named state."""
         number = self.states[state]
         pairs = range(self._first_pair[number], self._first_pair[number + 1])
         return {self._actions[self._pair_action[pair]]: pair for pair in pairs}
 
 
 def read_policy(path: str, space: FiniteSpace) -> dict[int, Choice]:
-    """Read a policy for `space`.
+    """Read a policy for `space`: a pair, or probabilities of pairs, by state number.
 
-    Args:
-        path: JSON file with names of states and actions.
-        space: World in which the policy acts.
-
-    Returns:
-        For each state number a pair, or a probability for each pair.
-
-    Raises:
-        UserError: One line for each error: invalid JSON, a state that is unknown, terminal or repeated, an
-            unavailable action, or probabilities that are not in [0, 1] or do not sum to 1 (± 1e-9).
+    Raises UserError with one line for each error. Probabilities must sum to 1 (± 1e-9).
     """
     try:
         document = _parsed(read_text(Path(path), "a JSON file"))
@@ -81,7 +69,7 @@ def read_policy(path: str, space: FiniteSpace) -> dict[int, Choice]:
 
 
 def policy_document(space: FiniteSpace, choices: Mapping[int, Choice]) -> dict[str, Any]:
-    """Return `choices` as JSON data that `read_policy` can read."""
+    """Return `choices` as JSON data for `read_policy`."""
 
     def action(pair: int) -> str:
         return space.action_names[int(space.pair_action[pair])]
@@ -95,37 +83,34 @@ def policy_document(space: FiniteSpace, choices: Mapping[int, Choice]) -> dict[s
 
 
 def _parsed(text: str) -> Any:
-    """Parse JSON. Raises UnreadableError."""
     try:
         return json.loads(text, object_pairs_hook=_Table)
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}"
-        raise UnreadableError(where, f"invalid JSON ({one_line(error.msg, 200)})", "valid JSON") from error
+        raise UnreadableError(where, f"not valid JSON ({one_line(error.msg, 200)})") from error
     except RecursionError as error:
-        raise UnreadableError("", "tables within tables, too deep to read", f"a table, {_FORM}") from error
+        raise UnreadableError("", f"tables are nested too deeply; write {_FORM}") from error
     except ValueError as error:  # an integer with thousands of digits
-        raise UnreadableError("", f"invalid JSON ({one_line(str(error), 200)})", "valid JSON") from error
+        raise UnreadableError("", f"not valid JSON ({one_line(str(error), 200)})") from error
 
 
 def _findings(document: Any, names: _Names) -> Iterator[Finding]:
-    """Yield the errors of a document in order."""
     if not isinstance(document, _Table):
         yield Finding((), shown(document), f"a table, {_FORM}")
         return
     for state, said in document.items():
         if state not in names.states:
-            yield Finding((state,), "an unknown state", f"a state of this world{near(state, names.states)}")
+            yield Finding((state,), f"unknown state; use one of this world{near(state, names.states)}")
         elif not (pairs := names.pairs_of(state)):
-            yield Finding((state,), "a terminal state", "states with available actions")
+            yield Finding((state,), "a terminal state has no actions; leave it out")
         else:
             for finding in _choice_findings(said, list(pairs)):
                 yield finding.inside(state)
     for state in document.repeated:
-        yield Finding((state,), "a state that is given twice", "each state once")
+        yield Finding((state,), "this state is listed twice; list it once")
 
 
 def _choice_findings(said: Any, legal: list[str]) -> Iterator[Finding]:
-    """Yield the errors of one state's entry."""
     if isinstance(said, str):
         yield from _action_findings(said, (), legal)
         return
@@ -141,19 +126,20 @@ def _choice_findings(said: Any, legal: list[str]) -> Iterator[Finding]:
             yield Finding((name,), shown(chance), "a number from 0 to 1")
             sound = False
     for name in said.repeated:
-        yield Finding((name,), "an action that is given twice", "each action once")
+        yield Finding((name,), "this action is listed twice; list it once")
         sound = False
     total = math.fsum(said.values()) if sound else 1.0
     if not abs(total - 1.0) <= SUM_TOLERANCE:
-        yield Finding((), f"chances that sum to {total:.10g}", "chances that sum to 1")
+        yield Finding((), f"the chances sum to {total:.10g}; make them sum to 1")
 
 
 def _action_findings(name: str, location: tuple[str, ...], legal: list[str]) -> Iterator[Finding]:
     if name not in legal:
         more = f", … ({len(legal):,} in all)" if len(legal) > _MOST_LISTED else ""
         listed = ", ".join(legal[:_MOST_LISTED])
-        found = "an action that is not available here" if location else shown(name)
-        yield Finding(location, found, f"one of {listed}{more}{near(name, legal)}")
+        what = "this action" if location else shown(name)
+        found = f"{what} is not available here; choose one of {listed}{more}{near(name, legal)}"
+        yield Finding(location, found)
 
 
 def _is_chance(value: object) -> bool:

@@ -17,13 +17,13 @@ from rl_tui.worlds.world import World
 
 UNLIMITED: Final = 2**62
 """More steps or episodes than any run can have."""
-SEED_DRAWS_WORLD: Final = "another seed draws another world here; r n starts again in that one"
+SEED_DRAWS_WORLD: Final = "each seed has its own world here; r n starts again with a new seed and world"
 _MOST_TOLD: Final = 20
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """The start of a run. The same recipe and journal give the same bits. `seed` is an integer, 0 or more."""
+    """The start of a run. The same recipe and journal give the same bits."""
 
     scenario: Scenario
     algorithm: str = "q-learning"
@@ -32,22 +32,14 @@ class Recipe:
 
 
 class Beginning(NamedTuple):
-    """A new world, with the random streams that continue after building it."""
+    """A new world, and the random streams after building it."""
 
     world: World
     streams: Streams
 
 
 def begin(recipe: Recipe, known: World | None = None) -> Beginning:
-    """Build the world of `recipe` and its random streams.
-
-    Args:
-        recipe: Start of a run.
-        known: World to reuse if it does not depend on the seed.
-
-    Raises:
-        UserError: The world cannot be built.
-    """
+    """Build the world of `recipe`, or reuse `known` if the seed does not matter. Raises UserError."""
     drawn = streams(recipe.seed)
     if known is not None and not recipe.scenario.section.drawn_from_seed:
         return Beginning(known, drawn)
@@ -56,7 +48,7 @@ def begin(recipe: Recipe, known: World | None = None) -> Beginning:
 
 @dataclass(frozen=True, slots=True)
 class SetParameter:
-    """Set a hyper-parameter."""
+    """Set a hyperparameter."""
 
     name: str
     value: float | str
@@ -71,7 +63,7 @@ class SwitchAlgorithm:
 
 @dataclass(frozen=True, slots=True)
 class TakeAction:
-    """A step with an action chosen by the user: its number, or its name if the world may have changed."""
+    """A step with the user's action, by number, or by name if the world may have changed."""
 
     action: int | str
 
@@ -97,7 +89,7 @@ class UndoEdit:
 
 @dataclass(frozen=True, slots=True)
 class RedoEdit:
-    """Redo the edit of the world that was last undone."""
+    """Redo the edit that was last undone."""
 
 
 Setting = SetParameter | SwitchAlgorithm
@@ -107,14 +99,14 @@ Change = Setting | TakeAction | OrderSweep | WorldChange
 
 @dataclass(frozen=True, slots=True)
 class JournalEntry:
-    """A `change` made after `step` steps, before the next one. Entries of one step apply in order."""
+    """A `change` made after `step` steps. Entries of one step apply in order."""
 
     step: int
     change: Change
 
 
 def action_called(name: str, action_names: Sequence[str]) -> int | None:
-    """Return the number of the action called `name`, or None. Spaces matter only if names differ by them."""
+    """Return the number of an action, or None. Spaces matter only if names differ by them."""
     for wanted in (name, name.strip()):
         if wanted in action_names:
             return action_names.index(wanted)
@@ -124,13 +116,13 @@ def action_called(name: str, action_names: Sequence[str]) -> int | None:
 
 
 def no_such_action(name: str, action_names: Sequence[str]) -> str:
-    """Say that the action does not exist, and list the available ones."""
+    """Return a message with the available actions."""
     known = ", ".join(action_names[:_MOST_TOLD]) + (", …" if len(action_names) > _MOST_TOLD else "")
     return f"there is no such action{near(name.strip(), action_names)}; take one of {known}"
 
 
 def changed_recipe(recipe: Recipe, *changes: Setting) -> Recipe:
-    """Return `recipe` with `changes` applied to its start. Raises UserError if a value is wrong."""
+    """Return `recipe` with `changes` to its start. Raises UserError."""
     for change in changes:
         if isinstance(change, SwitchAlgorithm):
             recipe = replace(recipe, algorithm=change.algorithm)
@@ -141,11 +133,7 @@ def changed_recipe(recipe: Recipe, *changes: Setting) -> Recipe:
 
 
 def changed_parameter(values: Hyperparameters, name: str, value: object) -> Hyperparameters:
-    """Return `values` with another `value` of `name`.
-
-    Raises:
-        UserError: The value is wrong. The message names the range.
-    """
+    """Return `values` with another `value` of `name`. Raises UserError."""
     try:
         return values.changed(name, value)
     except ValueError as fault:

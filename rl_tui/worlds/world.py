@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 class Prospect(NamedTuple):
     """An observation that may follow a pair.
 
-    `probability` is None if it depends on the past. `rewards` are the possible mean rewards, rising; several
-    if they depend on the past too.
+    `probability` is None if it depends on the past. `rewards` are the possible mean rewards, rising.
     """
 
     next_state: int
@@ -31,12 +30,10 @@ class World:
     """A world made from a scenario and a seed.
 
     Args:
-        space: States and actions. It is a TabularMDP if there is a transition table.
-        drawing: How the world is drawn.
+        space: A TabularMDP if there is a transition table.
         budget: Episodes after which a run on screen ends (pulls of a bandit), or None.
-        new_environment: Makes a copy of the environment to simulate, without a transition table.
-        prospects: Possible observations after each pair, [P], if several states look the same; otherwise
-            empty.
+        new_environment: Makes a copy of the environment to simulate.
+        prospects: Possible observations after each pair, [P], if several states look the same, or empty.
     """
 
     space: FiniteSpace
@@ -53,7 +50,12 @@ class World:
         object.__setattr__(self, "mdp", self.space if isinstance(self.space, TabularMDP) else None)
 
     @property
+    def is_remade(self) -> bool:
+        """True if another run can learn in it."""
+        return self.mdp is not None or self.new_environment is not None
+
+    @property
     def nbytes(self) -> int:
-        """Memory of the arrays in its space, in bytes."""
+        """Bytes of the arrays in its space."""
         values = (getattr(self.space, each.name) for each in fields(self.space))
         return sum(getattr(value, "nbytes", 0) for value in values)

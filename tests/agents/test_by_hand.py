@@ -1,4 +1,4 @@
-"""A person acts: the same learner learns from it, and its own pending action is not taken by mistake."""
+"""A person acts, and the same learner learns from it."""
 
 from __future__ import annotations
 
@@ -99,41 +99,23 @@ def test_what_sarsa_had_chosen_is_dropped(algorithm: str) -> None:
     assert (last_of(ours).pair, ours.q[0]) == (0, 1.0)  # and now it chooses to jump
 
 
-@pytest.mark.parametrize("algorithm", ["n-step-sarsa"])
-def test_n_step_sarsa_remembers_what_was_really_taken(algorithm: str) -> None:
+@pytest.mark.parametrize(
+    ("algorithm", "on", "q"),
+    [
+        ("n-step-sarsa", 0.5, [1.0, 0.5, 1.0, 0.0]),  # it remembers what was really taken
+        ("q-lambda", 0.5, [0.5, 0.5, 1.0, 0.0]),  # no trace leads beyond an action that is not greedy
+        ("q-lambda", 0.0, [1.0, 0.0, 1.0, 0.0]),  # as good as continuing, by current estimates
+        ("sarsa-lambda", 0.5, [1.5, 0.5, 1.0, 0.0]),  # a trace leads beyond whatever is done
+    ],
+)
+def test_a_jump_by_hand_teaches_the_step_before_it(algorithm: str, on: float, q: list[float]) -> None:
     ours = learner(two_ways(), algorithm, FULL_STEP.changed("n", 2))
-    ours.q[ON] = 0.5
+    ours.q[ON] = on
     ours.advance(1)
     ours.take(JUMP)
-    assert ours.q.tolist() == [1.0, 0.5, 1.0, 0.0]
+    assert ours.q.tolist() == q
     assert ours.visits.tolist() == [1, 0, 1, 0]
-
-
-@pytest.mark.parametrize("algorithm", ["q-lambda"])
-def test_no_trace_of_watkins_leads_beyond_an_action_that_is_not_greedy(algorithm: str) -> None:
-    ours = learner(two_ways(), algorithm, FULL_STEP)
-    ours.q[ON] = 0.5
-    ours.advance(1)
-    ours.take(JUMP)
-    assert ours.q.tolist() == [0.5, 0.5, 1.0, 0.0]
-    assert last_of(ours).others == 0
-
-
-@pytest.mark.parametrize("algorithm", ["q-lambda"])
-def test_a_trace_leads_beyond_a_greedy_action_of_a_person(algorithm: str) -> None:
-    ours = learner(two_ways(), algorithm, FULL_STEP)
-    ours.advance(1)
-    ours.take(JUMP)  # as good as continuing, by current estimates
-    assert ours.q.tolist() == [1.0, 0.0, 1.0, 0.0]
-
-
-@pytest.mark.parametrize("algorithm", ["sarsa-lambda"])
-def test_a_trace_of_sarsa_lambda_leads_beyond_whatever_is_done(algorithm: str) -> None:
-    ours = learner(two_ways(), algorithm, FULL_STEP)
-    ours.q[ON] = 0.5
-    ours.advance(1)
-    ours.take(JUMP)
-    assert ours.q.tolist() == [1.5, 0.5, 1.0, 0.0]
+    assert last_of(ours).others == (q[0] != 0.5)
 
 
 @pytest.mark.exhaustive("compiles loops", but=["q-learning"])

@@ -1,4 +1,4 @@
-"""Machine code is pickled: it is neither read from nor saved to a place where others can write."""
+"""Machine code is only in places where others cannot write."""
 
 from __future__ import annotations
 
@@ -31,13 +31,11 @@ FOLDER = 0o040000
 
 @pytest.fixture
 def shared_group(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make every group one with several members."""
     monkeypatch.setattr(grp, "getgrgid", lambda _: SimpleNamespace(gr_name="many", gr_mem=["ada", "bob"]))
 
 
 @pytest.fixture
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The cache folder of this user, the only choice."""
     monkeypatch.delenv(VARIABLE, raising=False)
     monkeypatch.setattr("platformdirs.user_cache_path", lambda *_, **__: tmp_path / "own")
     return tmp_path / "own"
@@ -143,7 +141,7 @@ def test_commands_say_what_is_left_out_and_warm_refuses_it(
     chosen = made(tmp_path / "chosen", 0o777)
     monkeypatch.setenv(VARIABLE, str(chosen))
     listed: Any = CliRunner().invoke(program, ["list"])
-    assert (listed.exit_code, listed.stderr.count(f"{VARIABLE}={chosen} is left out")) == (0, 1)
+    assert (listed.exit_code, listed.stderr.count(f"{VARIABLE}={chosen} is ignored")) == (0, 1)
     warmed: Any = CliRunner().invoke(program, ["warm", "student"])
     assert (warmed.exit_code, warmed.stdout, [*chosen.iterdir()]) == (1, "", [])
-    assert warmed.stderr.startswith(f"{VARIABLE}={chosen} is left out: ")
+    assert warmed.stderr.startswith(f"{VARIABLE}={chosen} is ignored: ")

@@ -1,4 +1,4 @@
-"""The three sources of machine code: the cache, one worker process, or compiling in this process."""
+"""The sources of machine code."""
 
 from __future__ import annotations
 
@@ -23,8 +23,6 @@ LONGEST = 60.0
 
 
 class Machine:
-    """A process without numba: its code, its cache, and a log of its actions."""
-
     def __init__(self) -> None:
         self.compiled = set[Loop]()
         self.noted = set[Loop]()
@@ -33,6 +31,7 @@ class Machine:
         self.takes_code = True
         self.workers: list[Worker] = []
         self.start_worker: Callable[[], Worker] = self.new_worker
+        self.script: Callable[[Machine, Loop], str | None] = keeps
 
     def new_worker(self) -> Worker:
         self.workers.append(Worker(self))
@@ -52,10 +51,6 @@ class Machine:
 
 
 class Worker:
-    """A worker process that answers as ``script`` says, until it is ended."""
-
-    script: Callable[[Machine, Loop], str | None]
-
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.is_idle = self.has_ended = False
@@ -65,7 +60,7 @@ class Worker:
         self.asked.append(loop)
 
     def answer(self, seconds: float) -> str | None:
-        return GONE if self.has_ended else type(self).script(self.machine, self.asked[-1])
+        return GONE if self.has_ended else self.machine.script(self.machine, self.asked[-1])
 
     def let_others_go_first(self) -> None:
         self.is_idle = True
@@ -89,26 +84,23 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
     monkeypatch.setattr(loops, "LOOKED_FOR_EVERY", 0.001)
     monkeypatch.setattr(cache_folder, "was_compiled", machine.was_compiled)
     monkeypatch.setattr(cache_folder, "takes_code", lambda: machine.takes_code)
-    monkeypatch.setattr(Worker, "script", staticmethod(keeps), raising=False)
     return machine
 
 
 class Asked(NamedTuple):
-    """A compiler with a pending request to its worker, and the event that lets the worker answer."""
-
     compiler: BackgroundCompiler
     may_end: threading.Event
 
 
 @pytest.fixture
-def asked(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Asked:
+def asked(machine: Machine) -> Asked:
     is_asked, may_end = threading.Event(), threading.Event()
 
     def slowly(machine: Machine, loop: Loop) -> str | None:
         is_asked.set()
         return keeps(machine, loop) if may_end.wait(0.001) else None
 
-    monkeypatch.setattr(Worker, "script", staticmethod(slowly))
+    machine.script = slowly
     compiler = BackgroundCompiler()
     compiler.want([LOOP])
     assert is_asked.wait(LONGEST)
@@ -116,7 +108,6 @@ def asked(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Asked:
 
 
 def finish(compiler: BackgroundCompiler) -> None:
-    """Wait until it has nothing left to do."""
     for thread in threading.enumerate():
         if thread.name == "background compiler":
             thread.join(LONGEST)
@@ -153,10 +144,8 @@ def test_a_note_without_machine_code_is_asked_of_the_worker(machine: Machine) ->
     assert len(machine.workers) == 1
 
 
-def test_where_the_worker_dies_this_process_compiles(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(Worker, "script", staticmethod(lambda *_: GONE))
+def test_where_the_worker_dies_this_process_compiles(machine: Machine) -> None:
+    machine.script = lambda *_: GONE
     come_by(LOOP, OTHER)
     assert machine.done == [("compile", LOOP), ("compile", OTHER)]
     assert all(each.has_ended for each in machine.workers)
@@ -171,19 +160,15 @@ def test_where_no_process_can_be_started_this_one_compiles(machine: Machine) -> 
     assert machine.done == [("compile", LOOP)]
 
 
-def test_after_a_full_disk_no_worker_is_asked_again(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(Worker, "script", staticmethod(lambda *_: CodeOrigin.NOT_KEPT))
+def test_after_a_full_disk_no_worker_is_asked_again(machine: Machine) -> None:
+    machine.script = lambda *_: CodeOrigin.NOT_KEPT
     come_by(LOOP, OTHER)
     assert machine.done == [("compile", LOOP), ("compile", OTHER)]
     assert machine.workers[0].asked == [LOOP]
 
 
-def test_what_the_worker_kept_but_cannot_be_read_is_compiled_here(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(Worker, "script", staticmethod(lambda *_: CodeOrigin.COMPILED))
+def test_what_the_worker_kept_but_cannot_be_read_is_compiled_here(machine: Machine) -> None:
+    machine.script = lambda *_: CodeOrigin.COMPILED
     come_by(LOOP)
     assert machine.done == [("load", LOOP), ("compile", LOOP)]
 
@@ -195,9 +180,7 @@ def test_where_nothing_can_be_kept_no_process_starts(machine: Machine) -> None:
     assert machine.workers == []
 
 
-def test_what_another_process_compiled_is_read_while_the_worker_waits(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_another_process_compiled_is_read_while_the_worker_waits(machine: Machine) -> None:
     steps = iter([SHARED, LOOP])
 
     def another(machine: Machine, _: Loop) -> None:
@@ -206,7 +189,7 @@ def test_what_another_process_compiled_is_read_while_the_worker_waits(
             machine.noted.add(step)
             machine.cached.add(step)
 
-    monkeypatch.setattr(Worker, "script", staticmethod(another))
+    machine.script = another
     come_by(LOOP)
     assert machine.done == [("load", SHARED), ("load", LOOP)]
     assert machine.workers[0].has_ended
@@ -223,16 +206,14 @@ def test_nothing_more_wanted_lets_others_go_first_and_reads_nothing(machine: Mac
     assert LOOP in machine.cached
 
 
-def test_an_idle_worker_is_replaced_where_something_else_is_wanted(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_idle_worker_is_replaced_where_something_else_is_wanted(machine: Machine) -> None:
     is_asked = threading.Event()
 
     def never(machine: Machine, loop: Loop) -> str | None:
         is_asked.set()
         return keeps(machine, loop) if loop == OTHER else None
 
-    monkeypatch.setattr(Worker, "script", staticmethod(never))
+    machine.script = never
     compiler = BackgroundCompiler()
     compiler.want([LOOP])
     assert is_asked.wait(LONGEST)
@@ -272,11 +253,11 @@ def test_to_finish_gives_up_a_worker_that_takes_too_long(asked: Asked) -> None:
     finish(compiler)
 
 
-def test_a_thread_that_dies_leaves_nothing_waiting(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_thread_that_dies_leaves_nothing_waiting(machine: Machine) -> None:
     def dies(machine: Machine, loop: Loop) -> str:
         raise SystemExit
 
-    monkeypatch.setattr(Worker, "script", staticmethod(dies))
+    machine.script = dies
     compiler = come_by(LOOP, OTHER)
     assert compiler.failed.keys() == {LOOP, OTHER}
     assert not compiler.is_busy
@@ -331,7 +312,6 @@ def test_the_worker_answers_each_line() -> None:
 
 @pytest.fixture
 def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty cache for everything that uses its folder. Numba has another cache."""
     folder = tmp_path / "cache"
     folder.mkdir()
     for module in (cache_folder, compiler_lock, loops):
@@ -413,9 +393,7 @@ def test_a_compiler_that_was_stopped_is_not_waited_for(
     assert made == [SHARED, LOOP]
 
 
-def test_where_there_can_be_no_lock_nobody_waits(
-    empty_cache: Path, made: list[Loop], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_there_can_be_no_lock_nobody_waits(empty_cache: Path, made: list[Loop]) -> None:
     (empty_cache / ".compiling.lock").mkdir()
     compile_here(LOOP)
     assert made == [SHARED, LOOP]

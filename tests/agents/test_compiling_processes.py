@@ -1,4 +1,4 @@
-"""Machine code in real processes: one compiles for all, and the worker ends with its last user."""
+"""Machine code in real processes."""
 
 from __future__ import annotations
 
@@ -107,20 +107,6 @@ def test_of_many_processes_one_compiles_and_the_others_read(tmp_path: Path) -> N
 def test_a_full_disk_leaves_nothing_behind(tmp_path: Path) -> None:
     assert said(started(LIMITED, tmp_path)) == "not kept"
     assert [name for name in files(tmp_path) if not name.endswith(".nbi")] == []
-
-
-@pytest.mark.slow
-def test_a_kiosk_compiles_and_writes_nothing(tmp_path: Path) -> None:
-    (tmp_path / "kernels").mkdir()
-    script = f"{QUICK}\nloops.compile_here(LOOP)\nfrom rl_tui.agents.compiling.jit import dispatcher_of\n"
-    script += "print(len(dispatcher_of(fold).signatures))"
-    assert said(started(script, tmp_path, RL_TUI_KIOSK="1")) == "1"
-    assert files(tmp_path) == []
-    assert said(started(ONE_OF_MANY, tmp_path)) == "compiled"
-    kept = files(tmp_path)
-    script = f"{QUICK}\nprint(loops.compile_here(LOOP))"
-    assert said(started(script, tmp_path, RL_TUI_KIOSK="1")) == "found"
-    assert files(tmp_path) == kept
 
 
 def test_the_worker_ends_with_its_parent_in_the_middle_of_compiling(tmp_path: Path) -> None:

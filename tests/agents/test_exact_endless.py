@@ -1,6 +1,8 @@
-"""Worlds that never end: refusals at γ = 1, and numbers that do not exist."""
+"""Worlds that never end."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,50 +13,40 @@ from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, always_ends
 from rl_tui.agents.exact.policy_figures import figures, uniform_over
 from rl_tui.agents.exact.solve import best_expected_return, greedy_return, returns, solve
 
+OUT = ("A", "out", [(1.0, "end", 0.0)])
+TRAP = [OUT, ("A", "in", [(1.0, "Trap", 0.0)]), ("Trap", "stay", [(1.0, "Trap", 0.0)])]
+LOOP = [
+    *(OUT, ("A", "in", [(1.0, "B", 3.0)]), ("B", "back", [(0.5, "A", -2.9), (0.5, "C", -2.9)])),
+    *(("C", "back", [(1.0, "A", 0.0)]), ("C", "out", [(1.0, "end", 0.0)])),
+]
+ON_THE_WAY = [
+    *(OUT, ("A", "on", [(1.0, "B", 0.0)])),
+    *(("B", "out", [(1.0, "end", 0.0)]), ("B", "stay", [(1.0, "B", 1.0)])),
+]
+RING = [(f"s{i}", "on", [(1.0, f"s{(i + 1) % 20}", 1.0)]) for i in range(20)]
+UNLIKELY = [("A", "on", [(1.0, "B", -1.0)]), ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)])]
 
-def test_a_state_that_cannot_reach_an_end_is_named() -> None:
-    mdp = world(
-        ("A", "out", [(1.0, "end", 1.0)]),
-        ("A", "in", [(1.0, "Trap", 0.0)]),
-        ("Trap", "stay", [(1.0, "Trap", 0.0)]),
-    )
-    with pytest.raises(
-        NoExactAnswer, match=r"^γ = 1: state Trap cannot reach a terminal state; choose γ below 1$"
-    ):
-        solve(mdp, 1.0)
+
+@pytest.mark.parametrize(
+    ("pairs", "said"),
+    [
+        (TRAP, r"^γ = 1: state Trap cannot reach a terminal state; choose γ below 1$"),
+        (LOOP, r"^γ = 1: the loop through A, B, C earns without end; choose γ below 1$"),
+        (ON_THE_WAY, "the loop through B earns"),
+        ([*RING, ("s0", "out", [(1.0, "end", 0.0)])], "through s0, s1, s2, s3, s4, s5, 14 more earns"),
+        (UNLIKELY, "a terminal state is too unlikely"),
+    ],
+    ids=["trap", "loop", "only the loop", "a long loop", "an unlikely end"],
+)
+def test_what_has_no_value_is_refused_by_name(pairs: list[Any], said: str) -> None:
+    with pytest.raises(NoExactAnswer, match=said):
+        solve(world(*pairs), 1.0)
+
+
+def test_a_trap_leaves_no_best_return() -> None:
+    mdp = world(*TRAP)
     assert returns(mdp, solve(mdp, 0.9)).best_expected_return is None
     assert best_expected_return(mdp) is None
-
-
-def test_a_loop_that_gains_for_ever_is_named() -> None:
-    mdp = world(
-        ("A", "out", [(1.0, "end", 0.0)]),
-        ("A", "in", [(1.0, "B", 3.0)]),
-        ("B", "back", [(0.5, "A", -2.9), (0.5, "C", -2.9)]),
-        ("C", "back", [(1.0, "A", 0.0)]),
-        ("C", "out", [(1.0, "end", 0.0)]),
-    )
-    with pytest.raises(
-        NoExactAnswer, match=r"^γ = 1: the loop through A, B, C gains for ever; choose γ below 1$"
-    ):
-        solve(mdp, 1.0)
-
-
-def test_only_the_loop_is_named_not_the_way_to_it() -> None:
-    mdp = world(
-        ("A", "out", [(1.0, "end", 0.0)]),
-        ("A", "on", [(1.0, "B", 0.0)]),
-        ("B", "out", [(1.0, "end", 0.0)]),
-        ("B", "stay", [(1.0, "B", 1.0)]),
-    )
-    with pytest.raises(NoExactAnswer, match="the loop through B gains"):
-        solve(mdp, 1.0)
-
-
-def test_a_long_loop_is_named_by_its_first_states() -> None:
-    ring = [(f"s{i}", "on", [(1.0, f"s{(i + 1) % 20}", 1.0)]) for i in range(20)]
-    with pytest.raises(NoExactAnswer, match="through s0, s1, s2, s3, s4, s5, 14 more gains"):
-        solve(world(*ring, ("s0", "out", [(1.0, "end", 0.0)])), 1.0)
 
 
 def test_a_loop_that_costs_nothing_is_no_obstacle() -> None:
@@ -114,27 +106,15 @@ def test_a_time_limit_bounds_the_return_but_not_the_value() -> None:
     assert best_expected_return(mdp) == 10.0
 
 
-def test_an_end_too_unlikely_for_numbers_is_refused_in_one_line() -> None:
-    mdp = world(
-        ("A", "on", [(1.0, "B", -1.0)]), ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)])
-    )
-    with pytest.raises(NoExactAnswer, match="a terminal state is too unlikely"):
-        solve(mdp, 1.0)
-
-
 def test_an_end_too_unlikely_spoils_only_the_figures_that_need_it() -> None:
-    endings = (
-        ("A", "on", [(1.0, "B", -1.0)]),
-        ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)]),
-    )
-    unlimited = world(*endings)
+    unlimited = world(*UNLIKELY)
     solution = solve(unlimited, 0.5)
     assert solution.value_at_start == pytest.approx(-2.0, abs=1e-9)
     assert returns(unlimited, solution) == (None, None)
     found = figures(unlimited, np.ones(2), 0.5)
     assert found.value_at_start == pytest.approx(-2.0, abs=1e-9)
     assert (found.expected_return, found.ends) == (None, 1.0)
-    limited = figures(world(*endings, time_limit=10), np.ones(2), 1.0)
+    limited = figures(world(*UNLIKELY, time_limit=10), np.ones(2), 1.0)
     assert limited.value_at_start is None
     assert limited.expected_return == pytest.approx(-10.0, abs=1e-9)
     assert limited.ends == pytest.approx(5e-300, rel=1e-6)

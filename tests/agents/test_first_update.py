@@ -1,4 +1,4 @@
-"""The wait until the first update: known waits, each computed a second way and measured on the learner."""
+"""The wait until the first update, also computed a second way."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from exact_reference import lake, world
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
+from test_planners import shipped
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.first_update import Cause, FirstUpdate, Wait, first_update, first_wait
@@ -21,17 +22,10 @@ from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 from rl_tui.agents.hyperparameters import Hyperparameters, Ties
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
-from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 ONE_STEP = [algorithm.id for algorithm in BY_ID.values() if algorithm.updates_own_pair]
 FIRST = Hyperparameters(ties="first")
-
-
-def shipped(name: str, seed: int = 0) -> TabularMDP:
-    mdp = find(name).build(streams(seed).world).mdp
-    assert mdp is not None
-    return mdp
 
 
 def wait(mdp: TabularMDP, **values: Any) -> Wait:
@@ -57,10 +51,6 @@ def corridor(length: int, time_limit: int, back_first: bool = True) -> TabularMD
 
 
 def by_the_chain(mdp: TabularMDP, params: Hyperparameters, steps: int) -> tuple[float, float]:
-    """Return the chances that an episode has had an update, and that it continues, after these many steps.
-
-    It follows the distribution of states step by step, with its own rules for actions and updates.
-    """
     told = np.zeros(mdp.states)
     silent = np.zeros((mdp.states, mdp.states))
     for state in range(mdp.states):
@@ -167,7 +157,6 @@ def test_random_worlds_against_the_chain_of_the_episode(
 
 
 def moved_in(mdp: TabularMDP, algorithm: str, params: Hyperparameters, seed: int) -> bool:
-    """Return whether the first episode of a learner moves an estimate by more than rounding."""
     learner = Learner(mdp, algorithm, params, streams(seed))
     learner.advance(2_000, episodes=1)
     return bool(np.abs(learner.q - params.initial_q).max() > 1e-9)
@@ -233,7 +222,7 @@ def test_without_a_time_limit_a_walk_that_surely_arrives_has_chance_1() -> None:
 
 
 def test_a_chance_below_all_numbers_is_refused() -> None:
-    with pytest.raises(NoExactAnswer, match="smaller than any number"):
+    with pytest.raises(NoExactAnswer, match="too small for a number"):
         first_wait(corridor(400, 400), "q-learning", replace(FIRST, epsilon=1e-3))
 
 
@@ -293,26 +282,22 @@ def test_a_step_size_that_has_fallen_to_0() -> None:
 
 
 @pytest.mark.parametrize(
-    ("algorithm", "values", "reason"),
+    ("scenario", "algorithm", "values", "reason"),
     [
-        ("value-iteration", {}, "plans with the model"),
-        ("dyna-q", {}, "one pair per step"),
-        ("monte-carlo", {}, "one pair per step"),
-        ("sarsa-lambda", {}, "one pair per step"),
-        ("q-learning", {"policy": "softmax"}, "softmax"),
-        ("q-learning", {"epsilon_decay": 0.01}, "ε changes"),
+        ("bandit-drifting", "q-learning", {}, "drift"),
+        ("frozenlake", "value-iteration", {}, "plans with the model"),
+        ("frozenlake", "dyna-q", {}, "one pair per step"),
+        ("frozenlake", "monte-carlo", {}, "one pair per step"),
+        ("frozenlake", "sarsa-lambda", {}, "one pair per step"),
+        ("frozenlake", "q-learning", {"policy": "softmax"}, "softmax"),
+        ("frozenlake", "q-learning", {"epsilon_decay": 0.01}, "ε changes"),
     ],
 )
 def test_what_is_not_known_is_refused_with_the_reason(
-    algorithm: str, values: dict[str, Any], reason: str
+    scenario: str, algorithm: str, values: dict[str, Any], reason: str
 ) -> None:
     with pytest.raises(NoExactAnswer, match=reason):
-        first_update(shipped("frozenlake"), algorithm, Hyperparameters(**values))
-
-
-def test_a_world_that_drifts_is_refused() -> None:
-    with pytest.raises(NoExactAnswer, match="drift"):
-        first_wait(shipped("bandit-drifting"), "q-learning", Hyperparameters())
+        first_update(shipped(scenario), algorithm, Hyperparameters(**values))
 
 
 def test_no_world_but_the_last_one_is_kept_alive() -> None:

@@ -1,4 +1,4 @@
-"""Every γ at which the optimal actions change: known values, and small worlds in fractions on a grid."""
+"""Every γ at which the optimal actions change."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_shipped_worlds_have_as_many_flips_as_are_known(scenario: str) -> None:
         return
     live = np.count_nonzero(np.diff(mdp.first_pair))
     if live > MOST_STATES:
-        with pytest.raises(NoExactAnswer, match=f"100 states; here {live} are live$"):
+        with pytest.raises(NoExactAnswer, match=f"100 states with actions; here there are {live}$"):
             flips(mdp)
     else:
         _, found = known(scenario)

@@ -36,7 +36,7 @@ print(machine_code(21.0), CACHED, sum(machine_code.stats.cache_hits.values()))
 
 def run_with_cache(folder: Path, script: Path, **also: str) -> str:
     if not script.exists():  # a newer script would not be the compiled one
-        script.write_text(SCRIPT)
+        script.write_text(SCRIPT, encoding="utf-8")
     environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder), **also}
     finished = subprocess.run(
         [sys.executable, "-m", script.stem],
@@ -52,7 +52,6 @@ def run_with_cache(folder: Path, script: Path, **also: str) -> str:
 
 @pytest.fixture(scope="module")
 def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a cache and the script that filled it."""
     folder = tmp_path_factory.mktemp("filled")
     assert run_with_cache(folder / "cache", folder / "kernel.py") == "42.0 True 0"
     return folder
@@ -196,13 +195,11 @@ def grown(asked: Any) -> float:
 
 
 def never_cached(kernel: Callable[..., Any]) -> Any:
-    """Return a dispatcher of ``kernel`` that reads no machine code from a cache."""
     dispatcher_of(ask)  # numba then knows the types of everything marked
     return numba.njit(kernel)
 
 
 def compiled_by(run: Callable[[], object]) -> list[str]:
-    """Return the names of the functions that numba compiles in ``run``."""
     with event.install_recorder("numba:compile") as recorder:
         run()
     return [each.data["dispatcher"].py_func.__name__ for _, each in recorder.buffer if each.is_start]

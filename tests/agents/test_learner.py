@@ -1,17 +1,11 @@
-"""One learner and its steps, with Q-learning. Rules for every algorithm have their own tests."""
+"""One learner and its steps, with Q-learning."""
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
-import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
-from random_worlds import worlds
 
-from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters, Ties
 from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import EPISODES_LOGGED, Learner
@@ -23,18 +17,7 @@ def learner(mdp: TabularMDP, hyperparameters: Hyperparameters | None = None, see
     return Learner(mdp, "q-learning", hyperparameters or Hyperparameters(), streams(seed))
 
 
-def take(ours: Learner, steps: int) -> Stop:
-    """Take this many steps and forget the episodes."""
-    done = ours.step + steps
-    stop = Stop.EPISODES_FULL
-    while stop is Stop.EPISODES_FULL:
-        stop = ours.advance(done - ours.step)
-        ours.drain_episodes()
-    return stop
-
-
 def one_state(rewards: list[float], std: float = 0.0, time_limit: int = 0) -> TabularMDP:
-    """A bandit: every pull ends the episode."""
     return tabular_mdp(
         ["here"],
         [str(arm) for arm in range(len(rewards))],
@@ -45,27 +28,23 @@ def one_state(rewards: list[float], std: float = 0.0, time_limit: int = 0) -> Ta
 
 
 def endless(reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
-    """One state, one action, back to itself for ever."""
     return tabular_mdp(
         ["here"], ["stay"], [Transition(0, 0, [Outcome(1.0, 0, reward, False)])], {0: 1.0}, time_limit
     )
 
 
 def test_exploration_picks_every_legal_action_equally_the_greedy_one_included() -> None:
-    pulls = 40_000
     ours = learner(one_state([0.0, 1.0, 0.0, 0.0]), Hyperparameters(alpha=1.0, epsilon=0.4))
-    take(ours, pulls)
-    assert np.argmax(ours.q) == 1
-    for arm in (0, 2, 3):
-        expected = pulls * 0.4 / 4
-        assert abs(ours.visits[arm] - expected) < 5 * math.sqrt(expected)
+    ours.advance(4000)
+    assert ours.q.tolist() == [0.0, 1.0, 0.0, 0.0]
+    assert ours.visits.tolist() == pytest.approx([400, 2800, 400, 400], abs=100)
 
 
-@pytest.mark.parametrize(("ties", "pulled"), [("random", [1, 1, 1, 1]), ("first", [4, 0, 0, 0])])
+@pytest.mark.parametrize(("ties", "pulled"), [("random", [1000] * 4), ("first", [4000, 0, 0, 0])])
 def test_ties_are_broken_as_asked(ties: Ties, pulled: list[int]) -> None:
     ours = learner(one_state([0.0] * 4), Hyperparameters(epsilon=0.0, ties=ties))
-    take(ours, 40_000)
-    assert ours.visits.tolist() == pytest.approx([share * 10_000 for share in pulled], abs=500)
+    ours.advance(4000)
+    assert ours.visits.tolist() == pytest.approx(pulled, abs=150)
 
 
 def test_only_exact_equality_is_a_tie() -> None:
@@ -75,13 +54,6 @@ def test_only_exact_equality_is_a_tie() -> None:
     assert ours.visits.sum() == 100
 
 
-def test_sample_average_is_the_mean_of_what_was_seen() -> None:
-    ours = learner(one_state([1.0], std=1.0), Hyperparameters(alpha="sample-average"))
-    ours.advance(1000)
-    returns = ours.drain_episodes().returns
-    assert ours.q[0] == pytest.approx(returns.mean(), abs=1e-12)
-
-
 def test_the_last_step_holds_the_numbers_of_its_update() -> None:
     ours = learner(endless(reward=2.0), Hyperparameters(alpha=0.25, gamma=0.5, initial_q=4.0))
     ours.advance(1)
@@ -89,17 +61,6 @@ def test_the_last_step_holds_the_numbers_of_its_update() -> None:
     assert (last.step, last.episode, last.state, last.pair, last.next_state) == (1, 1, 0, 0, 0)
     assert (last.before, last.bootstrap, last.target, last.td_error) == (4.0, 4.0, 4.0, 0.0)
     assert last.after == last.before + last.step_size * last.td_error
-
-
-def test_epsilon_decays_by_episode() -> None:
-    hyperparameters = Hyperparameters(epsilon=1.0, epsilon_min=0.1, epsilon_decay=0.5)
-    ours = learner(one_state([1.0, 1.0]), hyperparameters)
-    seen = []
-    for _ in range(4):
-        ours.advance(1)
-        seen.append(ours.last_step.epsilon)
-    assert seen == pytest.approx([0.1 + 0.9 * math.exp(-0.5 * n) for n in range(4)])
-    assert seen == [hyperparameters.epsilon_at(n) for n in range(4)]
 
 
 def test_a_change_acts_from_the_next_step() -> None:
@@ -138,17 +99,6 @@ def test_an_endless_episode_stops_after_ten_million_steps() -> None:
     assert ours.advance(10**9) is Stop.ENDLESS_EPISODE
     assert ours.step == 10**7
     assert "episode 1 " in ours.stop_reason
-
-
-@given(worlds(most_states=4, noise=False), st.integers(0, 50))
-@settings(max_examples=5, deadline=None, derandomize=True)
-def test_it_converges_to_the_exact_answer(mdp: TabularMDP, seed: int) -> None:
-    exact = solve(mdp, 0.7)
-    ours = learner(mdp, Hyperparameters(alpha=0.5, gamma=0.7, epsilon=1.0), seed)
-    for power in range(1, 12):
-        ours.configure(Hyperparameters(alpha=0.5**power, gamma=0.7, epsilon=1.0))
-        assume(take(ours, 2_000 * 2**power) is Stop.DONE)
-    assert np.abs(ours.q - exact.q)[ours.visits > 200_000].max(initial=0.0) < 0.1
 
 
 def test_seeds_give_different_runs_and_the_same_seed_the_same() -> None:

@@ -1,4 +1,4 @@
-"""Policy iteration in a given order of sweeps: evaluation and improvement apart (Sutton & Barto, 4.6)."""
+"""Policy iteration in a given order of sweeps (Sutton & Barto, 4.6)."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_policy_iteration import plain_policy_iteration
 from random_worlds import worlds
+from test_planners import any_hyperparameters, shipped
 from two_forms import interpreted
 
 from rl_tui.agents.catalogue import SWEEP_PHASES, SweepPhase
@@ -19,28 +20,14 @@ from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 FAR = 10**6
 ORDERS = st.dictionaries(st.integers(0, 20), st.sampled_from(SWEEP_PHASES), max_size=12)
-any_hyperparameters = st.builds(
-    Hyperparameters,
-    gamma=st.sampled_from([0.0, 0.5, 0.9]),
-    accuracy=st.sampled_from([1e-9, 0.01, 1.0]),
-    initial_q=st.sampled_from([0.0, 2.5]),
-    ties=st.sampled_from(["random", "first"]),
-)
 
 
 def planner(mdp: TabularMDP, hyperparameters: Hyperparameters | None = None) -> Learner:
     return Learner(mdp, "policy-iteration", hyperparameters or Hyperparameters(gamma=0.9), streams(0))
-
-
-def lake(name: str = "frozenlake-slippery") -> TabularMDP:
-    mdp = find(name).build(streams(0).world).mdp
-    assert mdp is not None
-    return mdp
 
 
 def sweep(ours: Learner, phase: SweepPhase) -> Stop:
@@ -53,7 +40,6 @@ def sweep(ours: Learner, phase: SweepPhase) -> Stop:
 def ordered(
     mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int, orders: dict[int, SweepPhase]
 ) -> Learner:
-    """Return a planner after this many steps, with ``orders`` by the number of the sweep."""
     ours = planner(mdp, hyperparameters)
     number = 0
     while ours.step < steps and not (ours.converged and number not in orders):
@@ -101,7 +87,7 @@ def test_machine_code_and_interpreted_give_the_same_bits(
 def test_a_few_evaluations_before_each_improvement_come_to_the_optimum(
     name: str, ties: str, evaluations: int
 ) -> None:
-    mdp, gamma = lake(name), 0.9
+    mdp, gamma = shipped(name), 0.9
     ours = planner(mdp, replace(Hyperparameters(gamma=gamma, accuracy=1e-13), ties=ties))
     for _ in range(2_000):
         for _ in range(evaluations):
@@ -148,17 +134,17 @@ def test_an_improvement_that_changes_nothing_proves_nothing_before_values_are_at
 
 
 def test_a_second_improvement_proves_nothing_of_values_of_the_policy_before() -> None:
-    ours = planner(lake("frozenlake"), Hyperparameters(gamma=0.9, accuracy=1e-12))
+    ours = planner(shipped("frozenlake"), Hyperparameters(gamma=0.9, accuracy=1e-12))
     while ours.phase != "improvement":  # evaluations until convergence, and the first improvement
         ours.advance(FAR, 1)
     assert not ours.converged
     assert sweep(ours, "improvement") is Stop.DONE
     assert ours.planning == "policy 2, improvement: 0 states changed"
-    assert not np.allclose(ours.q, solve(lake("frozenlake"), 0.9).q)
+    assert not np.allclose(ours.q, solve(shipped("frozenlake"), 0.9).q)
 
 
 def test_an_order_in_the_middle_of_a_sweep_is_for_the_next() -> None:
-    ours = planner(lake())
+    ours = planner(shipped("frozenlake-slippery"))
     ours.advance(3)
     ours.order("improvement")
     assert (ours.phase, ours.ordered) == ("evaluation", "improvement")
@@ -173,7 +159,7 @@ def test_an_order_in_the_middle_of_a_sweep_is_for_the_next() -> None:
 
 
 def test_the_last_order_counts() -> None:
-    ours = planner(lake())
+    ours = planner(shipped("frozenlake-slippery"))
     ours.order("improvement")
     assert ours.planning == ""
     assert sweep(ours, "evaluation") is Stop.DONE
@@ -181,7 +167,7 @@ def test_the_last_order_counts() -> None:
 
 
 def test_what_is_ordered_is_done_after_all_is_done() -> None:
-    ours = planner(lake(), Hyperparameters(gamma=0.9, accuracy=1e-12))
+    ours = planner(shipped("frozenlake-slippery"), Hyperparameters(gamma=0.9, accuracy=1e-12))
     assert ours.advance(FAR) is Stop.CONVERGED
     before = ours.q.copy()
     assert sweep(ours, "evaluation") is Stop.DONE
@@ -190,7 +176,7 @@ def test_what_is_ordered_is_done_after_all_is_done() -> None:
 
 
 def test_an_order_during_the_last_sweep_is_done_too() -> None:
-    mdp = lake()
+    mdp = shipped("frozenlake-slippery")
     hyperparameters = Hyperparameters(gamma=0.9, accuracy=1e-12)
     steps = planner(mdp, hyperparameters)
     steps.advance(FAR)
@@ -204,7 +190,7 @@ def test_an_order_during_the_last_sweep_is_done_too() -> None:
 
 
 def test_the_policy_that_is_kept_changes_in_improvements_only() -> None:
-    ours = planner(lake("frozenlake"))
+    ours = planner(shipped("frozenlake"))
     for phase in ("evaluation", "evaluation", "improvement", "evaluation", "improvement"):
         (before,) = ours.remembered("policy")
         (values,) = ours.remembered("v")
@@ -215,7 +201,7 @@ def test_the_policy_that_is_kept_changes_in_improvements_only() -> None:
 
 
 def test_a_checkpoint_keeps_an_order() -> None:
-    ours, other = planner(lake()), planner(lake())
+    ours, other = planner(shipped("frozenlake-slippery")), planner(shipped("frozenlake-slippery"))
     ours.advance(5)
     ours.order("improvement")
     other.restore(ours.checkpoint())
@@ -227,7 +213,7 @@ def test_a_checkpoint_keeps_an_order() -> None:
 
 @pytest.mark.parametrize("algorithm", ["value-iteration", "q-learning"])
 def test_only_policy_iteration_takes_orders(algorithm: str) -> None:
-    ours = Learner(lake(), algorithm, Hyperparameters(), streams(0))
+    ours = Learner(shipped("frozenlake-slippery"), algorithm, Hyperparameters(), streams(0))
     assert (ours.phase, ours.ordered) == (None, None)
     with pytest.raises(
         UserError, match="has no separate evaluation and improvement: choose policy-iteration"

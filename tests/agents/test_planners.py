@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -50,10 +47,7 @@ def shipped(name: str) -> TabularMDP:
 
 
 def row(rewards: list[float], time_limit: int = 0) -> TabularMDP:
-    """States in a row with the end on the right.
-
-    A step right pays its state's reward; staying pays nothing.
-    """
+    """A step right, towards the end, pays its state's reward; staying pays nothing."""
     transitions = []
     for state, reward in enumerate(rewards):
         transitions.append(Transition(state, 0, [Outcome(1.0, state, 0.0, False)]))
@@ -180,7 +174,7 @@ def test_value_iteration_says_how_far_it_is() -> None:
 @both
 @pytest.mark.parametrize("ties", ["random", "first"])
 def test_without_discount_it_prefers_a_policy_that_ends(algorithm: str, ties: str) -> None:
-    """Staying and going both pay nothing. The policy must not stay for ever."""
+    """Staying and going both pay nothing."""
     ours = learner(row([0.0, 0.0, 1.0]), algorithm, replace(Hyperparameters(gamma=1.0), ties=ties))
     assert ours.advance(10**6) is Stop.CONVERGED
     assert ours.q == pytest.approx([1.0] * 5 + [1.0], abs=1e-6)
@@ -262,7 +256,7 @@ def test_from_a_planner_to_another_a_sweep_begins() -> None:
 
 @both
 def test_states_without_pairs_are_left_out(algorithm: str) -> None:
-    """The end and a state that cannot be reached come first in the table."""
+    """The end and a state that cannot be reached come first."""
     mdp = tabular_mdp(
         ["end", "nowhere", "a", "b"],
         ["go"],
@@ -290,31 +284,3 @@ def test_a_planner_knows_rewards_where_they_have_drifted_to() -> None:
     assert ours.advance(100) is Stop.CONVERGED
     assert ours.q.tolist() == ours.mdp.reward.tolist()
     assert ours.q.tolist() != [0.0] * 3
-
-
-INTERPRETED = """
-from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.learner import Learner
-from rl_tui.worlds.files.catalogue import find
-from rl_tui.common.streams import streams
-
-mdp = find("student").build(streams(0).world).mdp
-planner = Learner(mdp, "value-iteration", Hyperparameters(), streams(0))
-planner.advance(30)
-print(planner.q.tobytes().hex())
-"""
-
-
-@pytest.mark.process
-def test_a_planner_works_without_the_compiler() -> None:
-    finished = subprocess.run(
-        [sys.executable, "-W", "error", "-c", INTERPRETED],
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert finished.stderr == ""
-    compiled = learner(shipped("student"), "value-iteration")
-    compiled.advance(30)
-    assert finished.stdout.strip() == compiled.q.tobytes().hex()

@@ -2,27 +2,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_model_learning import corridor, learner
 
-from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 TRACED = ("sarsa-lambda", "q-lambda")
 both = pytest.mark.parametrize("algorithm", TRACED)
 
 
-def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
-    """One action, ``length`` steps to the end. The last one pays ``reward``."""
-    transitions = [
-        Transition(state, 0, [Outcome(1.0, state + 1, reward * (state == length - 1), False)])
-        for state in range(length)
-    ]
-    return tabular_mdp([str(each) for each in range(length + 1)], ["go"], transitions, {0: 1.0}, time_limit)
-
-
 def circle(rewards: list[float], time_limit: int) -> TabularMDP:
-    """One action, round and round."""
     transitions = [
         Transition(state, 0, [Outcome(1.0, (state + 1) % len(rewards), reward, False)])
         for state, reward in enumerate(rewards)
@@ -30,12 +19,7 @@ def circle(rewards: list[float], time_limit: int) -> TabularMDP:
     return tabular_mdp([str(each) for each in range(len(rewards))], ["go"], transitions, {0: 1.0}, time_limit)
 
 
-def learner(mdp: TabularMDP, algorithm: str, **hyperparameters: object) -> Learner:
-    return Learner(mdp, algorithm, Hyperparameters(**hyperparameters), streams(0))  # type: ignore[arg-type]
-
-
 def traces(ours: Learner) -> list[float]:
-    """Return the trace of each pair."""
     eligibility: np.ndarray = ours.checkpoint().memory[2]
     return eligibility.tolist()
 
@@ -92,7 +76,6 @@ def test_sample_averages_are_each_pairs_own(algorithm: str) -> None:
 
 
 def fork(reward: float) -> TabularMDP:
-    """One step to a fork, where one way pays ``reward`` and the other −1."""
     return tabular_mdp(
         ["start", "fork", "end"],
         ["left", "right"],

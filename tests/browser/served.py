@@ -1,4 +1,4 @@
-"""The real server, started as from the command line, and the app processes behind it."""
+"""The real server and its apps."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ DEADLINE: Final = 120.0
 
 
 class Served:
-    """A running ``rl-tui serve`` at ``url``."""
-
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self.process = process
         self.said = process.stdout.readline()
@@ -26,16 +24,13 @@ class Served:
 
     @property
     def web_socket(self) -> str:
-        """The address of the WebSocket behind the page."""
         return self.url.replace("http:", "ws:") + "ws"
 
     @property
     def apps(self) -> list[int]:
-        """The process ids of the apps it has started."""
         return [process for process, parent in _parents() if parent == self.process.pid]
 
     def wait(self) -> int:
-        """Wait for its end and return its exit status."""
         return self.process.wait(DEADLINE)
 
 
@@ -45,7 +40,6 @@ def is_running(process: int) -> bool:
 
 @contextmanager
 def serving(*arguments: str, **environment: str) -> Iterator[Served]:
-    """Start the server on a free port and stop it at the end."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rl_tui", "serve", "--port", "0", *arguments],
         stdin=subprocess.DEVNULL,
@@ -67,7 +61,6 @@ def serving(*arguments: str, **environment: str) -> Iterator[Served]:
 
 
 def _parents() -> Iterator[tuple[int, int]]:
-    """Yield the process id and the parent's id of every live process."""
     for folder in Path("/proc").glob("[0-9]*"):
         process = int(folder.name)
         if (parent := _parent(process)) is not None:
@@ -75,9 +68,10 @@ def _parents() -> Iterator[tuple[int, int]]:
 
 
 def _parent(process: int) -> int | None:
-    """Return the parent's process id, or None for an ended process."""
     try:
-        state, parent = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[:2]
+        state, parent = (
+            Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[:2]
+        )
     except (OSError, ValueError):
         return None
     return None if state == "Z" else int(parent)

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import pytest
-from click.testing import CliRunner, Result
+from called import assert_refused, called
 
-from rl_tui.commands.main import program
-
-
-def train(*args: str) -> Result:
-    return CliRunner().invoke(program, ["train", "student", *args])
+train = partial(called, "train", "student")
 
 
 def test_the_report_tells_what_was_changed() -> None:
@@ -60,7 +57,4 @@ def test_settings_of_the_last_step_count_and_a_step_beyond_does_not() -> None:
     ],
 )
 def test_faults_are_one_line(args: list[str], fault: str, status: int) -> None:
-    result = train("--steps", "50", *args)
-    assert (result.exit_code, result.stdout) == (status, "")
-    assert fault in result.stderr
-    assert result.stderr.count("\n") == 1
+    assert_refused(train("--steps", "50", *args), status, fault)

@@ -1,23 +1,19 @@
-"""``train --curve``: the mean learning curve in a file."""
+"""``train --curve``."""
 
 from __future__ import annotations
 
 import csv
 import json
+from functools import partial
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from called import called
 
-from rl_tui.commands.main import program
-
-
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, ["train", *args])
+run = partial(called, "train")
 
 
 def columns_of(path: Path) -> dict[str, list[float | None]]:
-    """Return the columns of a CSV file by their names."""
     with path.open(encoding="utf-8", newline="") as stream:
         head, *rows = csv.reader(stream)
     return {

@@ -1,4 +1,4 @@
-"""``rl-tui check --deep``: known numbers, errors, and unknown facts."""
+"""``rl-tui check --deep``."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_trap_that_a_time_limit_ends_is_named_without_a_warning(tmp_path: Path
     found = document(str(path))
     assert (found["endless_states"], found["warnings"]) == (["8"], [])
     said = CliRunner().invoke(program, ["check", "--deep", str(path)]).stdout
-    assert "1 state: 8; the 20 steps of an episode end what comes there" in said
+    assert "1 state: 8; the time limit of 20 steps ends episodes there" in said
 
 
 LEDGE = """title = "ledge"
@@ -93,20 +93,13 @@ def test_where_a_greedy_policy_may_never_end_a_time_limit_is_asked_for(
 
 
 @pytest.mark.exhaustive("compiles all that learn")
-def test_the_lakes_have_the_values_that_are_known_of_them() -> None:
-    slippery = document("frozenlake-slippery")
-    assert slippery["random_return"] == pytest.approx(0.013939795959171436, abs=1e-15)
-    assert slippery["best_return"] == pytest.approx(0.7442, abs=5e-5)
-    assert [flip["gamma"] for flip in slippery["flips"]] == pytest.approx([0.808783309216, 0.978316459143])
-    assert [[each["state"] for each in flip["changes"]] for flip in slippery["flips"]] == [["0", "2"], ["2"]]
-    first = document("frozenlake-8x8")["first_update"]
-    assert first["mean_episodes"] == pytest.approx(526, abs=0.5)
-
-
-@pytest.mark.exhaustive("compiles all that learn")
 @pytest.mark.parametrize(
     ("episodes", "cells", "warned"),
-    [(100, "S.G", ""), (100, "SHG", "nothing is ever learned"), (3, "S....G", "a training has 3 episodes")],
+    [
+        (100, "S.G", ""),
+        (100, "SHG", "the agent can never learn"),
+        (3, "S....G", "but training has only 3 episodes"),
+    ],
 )
 def test_where_nothing_will_be_learned_that_is_said(
     episodes: int, cells: str, warned: str, tmp_path: Path

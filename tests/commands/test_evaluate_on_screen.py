@@ -1,4 +1,4 @@
-"""The screen and ``rl-tui evaluate`` report the same numbers of a policy."""
+"""The screen and ``rl-tui evaluate`` report the same numbers."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from called import document
 
-from rl_tui.commands.main import program
 from rl_tui.live.commands import DrawAction, StudyPolicy, Train
 from rl_tui.live.playback import Playback
 from rl_tui.runs.answers.policy_kind import PolicyKind
@@ -22,15 +21,7 @@ STEPS = 3_000
 SCENARIOS = ("frozenlake-slippery", "student", "cliff")
 
 
-def document(*args: str) -> dict[str, Any]:
-    result = CliRunner().invoke(program, ["evaluate", *args, "--json"])
-    assert (result.exit_code, result.stderr) == (0, "")
-    found: dict[str, Any] = json.loads(result.stdout)
-    return found
-
-
 def on_screen(scenario: str) -> Playback:
-    """The player of ``scenario`` after some steps, with an action drawn in its first state."""
     playback = Playback(
         recipe_for(find(scenario), {}, 0),
         speed=None,
@@ -61,12 +52,12 @@ def assert_same(answer: PolicyAnswer, printed: dict[str, Any]) -> None:
 def test_every_policy_has_the_figures_of_the_command(scenario: str, tmp_path: Path) -> None:
     playback = on_screen(scenario)
     answers, run = playback.snapshot().answers.policies, playback.group.current.run
-    assert_same(answers[PolicyKind.UNIFORM], document(scenario, "--policy", "uniform"))
-    assert_same(answers[PolicyKind.OPTIMAL], document(scenario, "--policy", "optimal"))
+    assert_same(answers[PolicyKind.UNIFORM], document("evaluate", scenario, "--policy", "uniform"))
+    assert_same(answers[PolicyKind.OPTIMAL], document("evaluate", scenario, "--policy", "optimal"))
     greedy = ("--policy", "greedy", "--steps", str(STEPS))
-    assert_same(answers[PolicyKind.GREEDY], document(scenario, *greedy))
+    assert_same(answers[PolicyKind.GREEDY], document("evaluate", scenario, *greedy))
     epsilon = str(run.learner.hyperparameters.epsilon)
-    assert_same(answers[PolicyKind.BEHAVIOUR], document(scenario, *greedy, "--epsilon", epsilon))
+    assert_same(answers[PolicyKind.BEHAVIOUR], document("evaluate", scenario, *greedy, "--epsilon", epsilon))
     space, file = run.world.space, tmp_path / "drawn.json"
     file.write_text(json.dumps({space.state_names[0]: space.action_names[1]}), encoding="utf-8")
-    assert_same(answers[PolicyKind.DRAWN], document(scenario, "--policy", str(file)))
+    assert_same(answers[PolicyKind.DRAWN], document("evaluate", scenario, "--policy", str(file)))

@@ -1,21 +1,19 @@
-"""``figure``: a figure of the book as a table, a picture, JSON and CSV."""
+"""``figure``."""
 
 from __future__ import annotations
 
 import csv
 import json
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from called import called
 
-from rl_tui.commands.main import program
 from rl_tui.studies.book_figures.catalogue import FIGURES
 
-
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, ["figure", *args])
+run = partial(called, "figure")
 
 
 @pytest.mark.exhaustive("measures figures of the book, which other tests hold")
@@ -23,7 +21,7 @@ def test_ours_stand_beside_the_numbers_of_the_book() -> None:
     result = run("8.2", "--runs", "4")
     assert (result.exit_code, result.stderr) == (0, "")
     assert "figure 8.2, page 165" in result.stdout
-    assert "means of 4 runs, the book's are of 30" in result.stdout
+    assert "means of 4 runs, in the book of 30" in result.stdout
     table = result.stdout.split("\n\n")[1].splitlines()
     assert table[0].split() == ["book", "where", "ours", "agrees"]
     assert all(line.endswith(("yes", "no")) for line in table[1:])
@@ -96,7 +94,7 @@ def test_what_cannot_be_written_is_told_before_anything_is_learned(
     for option, name in (("--out", "a.svg"), ("--out", "a.png"), ("--csv", "a.csv")):
         result = run("8.2", option, str(tmp_path / "no" / name))
         assert (result.exit_code, result.stderr.count("\n")) == (1, 1)
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(sys.modules, "resvg_py", None)
     result = run("8.2", "--out", str(tmp_path / "a.png"))
     assert (result.exit_code, result.stderr.count("\n")) == (1, 1)
     assert "rl-tui[plot]" in result.stderr

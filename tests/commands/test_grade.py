@@ -1,18 +1,18 @@
-"""``rl-tui grade``: files and folders, agents and scripts, passes and failures."""
+"""``rl-tui grade``."""
 
 from __future__ import annotations
 
 import json
 import os
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from called import called
 from programs.course_agents import BERKELEY, UDACITY, agent_in
 
-from rl_tui.commands.main import program
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
 from rl_tui.programs.evidence.verdict import ProgramVerdict
 from rl_tui.programs.grading.grade import Grading, yardstick_of
@@ -61,10 +61,7 @@ to = "end"
 [defaults]
 episodes = 30
 """
-
-
-def run(*args: object) -> Result:
-    return CliRunner().invoke(program, ["grade", *map(str, args)], prog_name="rl-tui")
+run = partial(called, "grade")
 
 
 def document(*args: object) -> dict[str, Any]:
@@ -131,7 +128,7 @@ def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None
         "broken.py": "line 1",
         "crash.py": "crash.py, line 3: ZeroDivisionError: division by zero",
         "killed.py": "SIGKILL",
-        "no_table.py": "no table of values was found",
+        "no_table.py": "found no table of values in it",
         "other_world.py": "is_slippery=True, whose transitions differ from those of frozenlake",
     }.items():
         assert said in errors[name], errors[name]
@@ -178,7 +175,7 @@ def test_what_takes_too_long_or_too_much_is_ended(tmp_path: Path, monkeypatch: p
     (tmp_path / "huge.py").write_text("x = bytearray(3 * 2**30)\n")
     answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 2, "--seconds", 3, "--memory", 1024)
     slow, huge = (each["runs"][0]["error"] for each in answer["submissions"])
-    assert "ended after 3 seconds" in slow
+    assert "stopped after 3 seconds" in slow
     assert "MemoryError" in huge
     assert "not run" in answer["submissions"][0]["runs"][1]["error"]
 

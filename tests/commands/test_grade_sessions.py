@@ -1,4 +1,4 @@
-"""``rl-tui grade`` with a lesson: one session, a folder of them, and refusals."""
+"""``rl-tui grade`` with a lesson."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from called import assert_refused
 from click.testing import CliRunner, Result
 from lessons.lesson_sessions import TEXT, all_done, lesson, write
 
@@ -90,18 +91,22 @@ def test_where_there_are_no_ticks_letters_do(folder: Path, evening: Path) -> Non
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (("{all}",), "is a session: give the lesson after it"),
-        (("{folder}",), "Missing option '--scenario'; or give a lesson"),
+        (("{all}",), "is a session: name its lesson after the file"),
+        (
+            ("{folder}",),
+            "Missing option '--scenario', the world of the agents. To grade sessions, add their lesson",
+        ),
         (("{all}", "{lesson}", "--seeds", "3"), "--seeds works only for submissions"),
         (("{all}", "{lesson}", "--scenario", "student"), "--scenario works only for submissions"),
         (("agent.py", "{lesson}"), "agent.py is a submission: give --scenario"),
     ],
 )
 def test_what_does_not_go_together(args: tuple[str, ...], message: str, folder: Path, evening: Path) -> None:
-    result = grade(*(each.format(all=folder / "all.json", folder=folder, lesson=evening) for each in args))
-    assert result.exit_code == 2
-    assert message in result.stderr
-    assert result.stderr.count("\n") == 1
+    assert_refused(
+        grade(*(each.format(all=folder / "all.json", folder=folder, lesson=evening) for each in args)),
+        2,
+        message,
+    )
 
 
 @pytest.mark.parametrize(
@@ -118,7 +123,4 @@ def test_what_cannot_be_graded(
 ) -> None:
     (tmp_path / "empty").mkdir()
     names = {"all": folder / "all.json", "folder": folder, "lesson": evening, "empty": tmp_path / "empty"}
-    result = grade(*(each.format(**names) for each in args))
-    assert result.exit_code == 1
-    assert message in result.stderr
-    assert result.stderr.count("\n") == 1
+    assert_refused(grade(*(each.format(**names) for each in args)), 1, message)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from called import called as run
+from called import document
 
-from rl_tui.commands.main import program
 from rl_tui.commands.reports.policy_map import policy_map
 from rl_tui.commands.reports.training import TITLES
 from rl_tui.runs.export.recipe_line import recipe_line
@@ -24,16 +22,6 @@ id = "CartPole-v1"
 [gymnasium.bins]
 edges = [[], [], [0.0], [0.0]]
 """
-
-
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, list(args))
-
-
-def document(*args: str) -> Any:
-    result = run(*args, "--json")
-    assert (result.exit_code, result.stderr) == (0, "")
-    return json.loads(result.stdout)
 
 
 def refusal(*args: str) -> str:
@@ -91,7 +79,7 @@ def test_reports_leave_out_what_nobody_knows():
 def test_a_policy_of_which_nothing_is_known_is_a_sentence():
     world = begin(recipe_for(find("blackjack"), {}, 0)).world
     nothing = [list(world.space.action_names)] * world.space.states
-    assert policy_map(world, nothing) == "In no state does one action look better than the others."
+    assert policy_map(world, nothing) == "All actions look equal in every state."
     nothing[16 * 22 + 10 * 2] = ["hit"]
     line = "(rows 16 to 16 and columns T to T; nothing is known outside)"
     assert policy_map(world, nothing) == f"h\n{line}"
@@ -106,14 +94,6 @@ def test_bins_of_a_file(tmp_path: Path):
     assert figures["return_last_100"] == figures["length_last_100"] > 5
 
 
-def test_csv_has_the_episodes(tmp_path: Path):
-    path = tmp_path / "games.csv"
-    assert run("train", "blackjack", "--episodes", "30", "--csv", str(path)).exit_code == 0
-    rows = path.read_text().splitlines()
-    assert len(rows) == 31
-    assert {row.split(",")[2] for row in rows[1:]} <= {"-1.0", "0.0", "1.0"}
-
-
 @pytest.mark.parametrize(
     ("args", "line"),
     [
@@ -122,7 +102,7 @@ def test_csv_has_the_episodes(tmp_path: Path):
             "gym:Blackjack-v1 has no exact values: this environment has no transition table",
         ),
         (["train", "gym:Blackjak-v1"], 'gym:Blackjak-v1: found "Blackjak-v1"; expected the id of'),
-        (["train", "gym:CartPole-v1"], "[gymnasium.bins] in a scenario file"),
+        (["train", "gym:CartPole-v1"], "write a scenario file with [gymnasium.bins]"),
         (["train", "gym:Blackjack-v1", "--algorithm", "value-iteration"], "this environment has none"),
         (["bench", "gym:Blackjack-v1"], "choose a scenario such as frozenlake"),
         (["check", "gym:FrozenLake-v1"], "gym:FrozenLake-v1: no such file"),
@@ -145,7 +125,7 @@ def test_a_module_is_imported_by_the_flag_alone(tmp_path: Path, monkeypatch: pyt
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr("rl_tui.worlds.gym.modules.ALLOWED", set())
     name, flag = "gym:flagged_environments:Flagged-v0", ("--allow-module", "flagged_environments")
-    assert refusal("solve", name).endswith("if you trust that module: --allow-module flagged_environments")
+    assert refusal("solve", name).endswith("if you trust it, add --allow-module flagged_environments")
     assert len(document("solve", name, *flag)["states"]) == 48
     line = recipe_line(recipe_for(find(name)), (), 0, ("up", "right", "down", "left"))
     assert line == f"rl-tui train {name} {' '.join(flag)} --seed 0"

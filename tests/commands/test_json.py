@@ -1,4 +1,4 @@
-"""The JSON documents for other programs: their keys, forms and values."""
+"""The JSON documents for other programs."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
+from called import called, document
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.commands.main import program
+from rl_tui.runs.training import benchmark
 from rl_tui.worlds.files.catalogue import scenarios
 
 TRAIN = [
@@ -38,16 +38,6 @@ SOLVE = [
 ]
 LIST = ["id", "title", "kind", "states", "actions", "pairs", "time_limit", "defaults"]
 BENCH = ["scenario", "kernel_steps_per_second", "gymnasium_steps_per_second", "ratio"]
-
-
-def document(*args: str) -> Any:
-    result = CliRunner().invoke(program, [*args, "--json"])
-    assert (result.exit_code, result.stderr) == (0, "")
-    return json.loads(result.stdout, parse_constant=_refuse)
-
-
-def _refuse(name: str) -> float:
-    raise AssertionError(f"{name} in JSON")
 
 
 def without_times(figures: dict[str, Any]) -> dict[str, Any]:
@@ -182,8 +172,8 @@ def test_csv_has_a_row_an_episode(tmp_path: Path) -> None:
 def test_csv_can_go_to_stdout(runs: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     command = ["train", "student", "--episodes", "5", *runs, "--csv"]
-    to_file = CliRunner().invoke(program, [*command, "rows.csv"])
-    result = CliRunner().invoke(program, [*command, "-"])
+    to_file = called(*command, "rows.csv")
+    result = called(*command, "-")
     assert result.exit_code == 0
     assert result.stdout == Path("rows.csv").read_text(encoding="utf-8")
     assert result.stderr.splitlines()[:2] == to_file.stdout.splitlines()[:2]
@@ -191,14 +181,7 @@ def test_csv_can_go_to_stdout(runs: tuple[str, ...], tmp_path: Path, monkeypatch
 
 
 @pytest.mark.parametrize(
-    ("args", "value"),
-    [
-        (("frozenlake-slippery", "--gamma", "0.99"), 0.54203),
-        (("frozenlake", "--gamma", "0.99"), 0.95099),
-        (("frozenlake-8x8", "--gamma", "0.99"), 0.87752),
-        (("frozenlake-8x8-slippery", "--gamma", "0.99"), 0.41464),
-        (("student",), 5.2 / 0.82),
-    ],
+    ("args", "value"), [(("frozenlake-slippery", "--gamma", "0.99"), 0.54203), (("student",), 5.2 / 0.82)]
 )
 def test_solve(args: tuple[str, ...], value: float) -> None:
     answer = document("solve", *args)
@@ -209,20 +192,12 @@ def test_solve(args: tuple[str, ...], value: float) -> None:
     assert answer["best_expected_return"] >= answer["expected_return"] - 1e-12
 
 
-def test_solve_at_gamma_0_25_is_where_studying_begins_to_pay() -> None:
-    assert document("solve", "student", "--gamma", "0.24")["policy"][0] == ["check phone"]
-    assert document("solve", "student", "--gamma", "0.26")["policy"][0] == ["study"]
-
-
 def test_solve_at_gamma_1_has_no_policy_that_never_ends() -> None:
     answer = document("solve", "student", "--gamma", "1")
     assert answer["policy"] == [["study"], ["quit"], ["sleep"], []]
     assert answer["left_out"] == [["check phone"], [], [], []]
     assert answer["q"][0][:2] == pytest.approx([7.5, 7.5])
     assert answer["expected_return"] == answer["best_expected_return"] == pytest.approx(7.5)
-    lake = document("solve", "frozenlake", "--gamma", "1")
-    assert lake["policy"] == document("solve", "frozenlake", "--gamma", "0.99")["policy"]
-    assert lake["expected_return"] == pytest.approx(1.0)
 
 
 def test_solve_draws_the_arms_from_the_seed() -> None:
@@ -243,8 +218,9 @@ def test_list() -> None:
     assert shipped["frozenlake"]["defaults"]["episodes"] == 10_000
 
 
-@pytest.mark.slow
-def test_bench() -> None:
+def test_bench(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(benchmark, "KERNEL_STEPS", 10_000)
+    monkeypatch.setattr(benchmark, "PLAIN_STEPS", 100)
     figures = document("bench", "--rounds", "1")
     assert list(figures)[:4] == BENCH
     assert figures["scenario"] == "frozenlake-slippery"

@@ -1,4 +1,4 @@
-"""The refusals of a kiosk: one line each, and no file is written."""
+"""The refusals of a kiosk."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ from rl_tui.worlds.files.shipped import shipped_folder
 
 @pytest.fixture
 def kiosk(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Make this process a kiosk, and restore what it gives up."""
     before = dict(os.environ)
     monkeypatch.setattr(sys, "dont_write_bytecode", sys.dont_write_bytecode)
     os.environ[VARIABLE] = "1"
@@ -43,7 +42,7 @@ def refusal(*args: str) -> str:
 @pytest.mark.usefixtures("kiosk")
 def test_it_has_no_other_commands(command: str) -> None:
     assert refusal(command, "x") == (
-        f"rl-tui: kiosk mode has no {command}: it has only the scenarios of rl-tui, and uses no files"
+        f"rl-tui: kiosk mode has no {command}: it shows only scenarios of rl-tui, and opens no files"
     )
 
 
@@ -52,7 +51,7 @@ def test_it_has_no_other_commands(command: str) -> None:
 )
 @pytest.mark.usefixtures("kiosk")
 def test_it_opens_shipped_scenarios_only(name: str) -> None:
-    with pytest.raises(UserError, match="only the scenarios of rl-tui list"):
+    with pytest.raises(UserError, match="choose a scenario from rl-tui list"):
         find(name)
 
 
@@ -64,7 +63,7 @@ def test_it_opens_no_session(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("kiosk")
 def test_it_imports_no_module() -> None:
-    line = "rl-tui: kiosk mode imports no modules: leave --allow-module out"
+    line = "rl-tui: kiosk mode imports no modules: leave out --allow-module"
     assert refusal("play", "frozenlake", "--allow-module", "antigravity") == line
 
 

@@ -1,4 +1,4 @@
-"""``rl-tui learn``: its list, its refusals, and where it continues."""
+"""``rl-tui learn``."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from called import called
+from shipped import shipped_lessons
 
-from rl_tui.commands.main import program
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lessons.catalogue import find_lesson, shipped_lessons
+from rl_tui.lessons.catalogue import find_lesson
 from rl_tui.lessons.file.setups import recipe_of
 from rl_tui.lessons.file.view import LessonRecord, begun
 from rl_tui.lessons.lesson import Lesson, lesson_folder, read_lesson
@@ -40,10 +41,7 @@ id = "only"
 title = "Only"
 text = "That is all."
 """
-
-
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, ["learn", *args])
+run = partial(called, "learn")
 
 
 def refusal(*args: str) -> list[str]:
@@ -55,7 +53,6 @@ def refusal(*args: str) -> list[str]:
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> list[Start]:
-    """The arguments of the app's start. There is a terminal, and nothing is drawn."""
     starts: list[Start] = []
     monkeypatch.setattr("rl_tui.commands.line.screen.require_terminal", lambda *_: None)
     monkeypatch.setattr("rl_tui.commands.line.screen.run_app", lambda _, start=None: starts.append(start))
@@ -71,7 +68,6 @@ def own(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def kiosk() -> Iterator[None]:
-    """Make this process a kiosk, and restore what it gives up."""
     before, bytecode = dict(os.environ), sys.dont_write_bytecode
     os.environ[VARIABLE] = "1"
     yield

@@ -1,4 +1,4 @@
-"""Every file option: commands do not wait for a pipe, and do not read an endless file."""
+"""Commands wait for no pipe, and read no endless file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,6 @@ def scenario(path: Path) -> None:
 
 
 def to_check(path: Path) -> None:
-    """Read ``path`` as ``check`` does: a lesson, or else a scenario."""
     assert not is_lesson_file(path)
     _, faults = checked(path)
     raise UserError("\n".join(map(str, faults)))
@@ -68,6 +67,7 @@ KINDS: Final[dict[str, tuple[Kind, ...]]] = {
     "SESSION.json": (SESSION,),
     "FILE.py[:NAME]|SESSION.json|FOLDER": (SCRIPT, SESSION),
     "SCRIPT.py": (SCRIPT,),
+    "[SCRIPT.py]": (SCRIPT,),
     "FILE.py[:NAME]": (SCRIPT,),
     "RESULTS...": ((".json", read_results), (".csv", read_results), (".sqlite", read_results)),
     "IN.sqlite...": ((".sqlite", Store.to_read),),
@@ -91,7 +91,6 @@ def commands() -> Iterator[tuple[str, click.Command]]:
 
 
 def named_files() -> Iterator[tuple[str, str]]:
-    """Yield each command and parameter that names a file to read, with the file's name in the help."""
     for name, command in commands():
         for each in command.params:
             said = each.metavar or (each.name == "store" and "FILE.sqlite") or ""

@@ -1,4 +1,4 @@
-"""``rl-tui new`` and ``edit``: existing files stay unchanged, and a refusal has a reason."""
+"""``rl-tui new`` and ``edit``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_new_file_is_played_checked_and_never_written_over(
     assert CliRunner().invoke(program, ["check", "my-maze.toml"]).exit_code == 0
     again = CliRunner().invoke(program, ["new", "my-maze"])
     assert again.exit_code == 1
-    assert "exists already" in again.stderr
+    assert "already exists" in again.stderr
     assert Path("my-maze.toml").read_text(encoding="utf-8") == text
 
 

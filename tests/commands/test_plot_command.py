@@ -1,4 +1,4 @@
-"""``plot``: pictures of the output of ``train`` and ``sweep``."""
+"""``plot``."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
-
-from rl_tui.commands.main import program
+from called import assert_refused
+from called import called as run
 
 CELLS = [
     {"alpha": alpha, "epsilon": epsilon, "runs": 3, "failed": 0, "area": {"mean": alpha + epsilon}}
@@ -18,10 +17,6 @@ CELLS = [
     for epsilon in (0.0, 0.5)
 ]
 SWEEP = {"scenario": "cliff", "measures": ["area"], "cells": CELLS, "best": CELLS[3]}
-
-
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, list(args))
 
 
 @pytest.fixture
@@ -32,7 +27,6 @@ def curve(tmp_path: Path) -> str:
 
 
 def curve_in(svg: str) -> list[tuple[float, float]]:
-    """The points of the curve in a picture."""
     (line,) = re.findall(r'<polyline points="([^"]+)"[^>]*clip-path', svg)
     return [(float(x), float(y)) for x, y in (point.split(",") for point in line.split())]
 
@@ -61,7 +55,6 @@ def test_without_a_file_it_is_drawn_in_the_terminal(curve: str) -> None:
     assert any("⠀" < character <= "⣿" for character in result.stdout)
 
 
-@pytest.mark.process  # Matplotlib starts another process for the fonts, the first time
 def test_a_sweep_is_an_atlas_or_lines(tmp_path: Path) -> None:
     path = tmp_path / "sweep.json"
     path.write_text(json.dumps(SWEEP))
@@ -71,9 +64,8 @@ def test_a_sweep_is_an_atlas_or_lines(tmp_path: Path) -> None:
     lines = run("plot", str(path), "--x", "epsilon").stdout
     assert "α = 0.1" in lines
     assert "α = 0.2" in lines
-    for name in ("a.svg", "a.png"):
-        assert run("plot", str(path), "--out", str(tmp_path / name)).exit_code == 0
-        assert (tmp_path / name).stat().st_size > 1_000
+    assert run("plot", str(path), "--out", str(tmp_path / "a.svg")).exit_code == 0
+    assert (tmp_path / "a.svg").stat().st_size > 1_000
 
 
 @pytest.mark.parametrize(
@@ -86,9 +78,7 @@ def test_a_sweep_is_an_atlas_or_lines(tmp_path: Path) -> None:
     ],
 )
 def test_faults_are_one_line(curve: str, more: tuple[str, ...], status: int, said: str) -> None:
-    result = run("plot", curve, *more)
-    assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (status, "", 1)
-    assert said in result.stderr
+    assert_refused(run("plot", curve, *more), status, said)
 
 
 def test_it_wants_results() -> None:

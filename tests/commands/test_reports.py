@@ -11,21 +11,14 @@ from itertools import count
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from called import printed as report
 
 from rl_tui.commands.line.output import alike, columns, number, progress
-from rl_tui.commands.main import program
 from rl_tui.commands.reports.policy_map import policy_map
 from rl_tui.commands.reports.training import FIRST_REWARD, TITLES, no_reward
 from rl_tui.runs.library import find, recipe_for
 from rl_tui.runs.recipe import begin
 from rl_tui.worlds.drawing import Graph
-
-
-def report(*args: str) -> str:
-    result = CliRunner().invoke(program, args)
-    assert (result.exit_code, result.stderr) == (0, "")
-    return result.stdout
 
 
 def test_train_says_what_was_learned_and_what_could_be() -> None:
@@ -45,7 +38,7 @@ def test_what_is_discounted_and_what_is_not_is_said_beside_each_figure() -> None
 
 
 def test_a_first_reward_may_be_a_cost() -> None:
-    assert "the first that is not 0" in report("train", "cliff", "--episodes", "3")
+    assert "the first reward other than 0" in report("train", "cliff", "--episodes", "3")
 
 
 def test_a_bandit_gets_lines_of_its_own() -> None:
@@ -83,7 +76,7 @@ def test_several_runs_of_a_bandit_too() -> None:
         (("student", "--episodes", "1"), "\nlast episode "),
         (("frozenlake", "--steps", "1"), "\nlast episodes       none is finished"),
         (("student", "--episodes", "7", "--runs", "2"), "\nreturn, last 7 episodes "),
-        (("student", "--steps", "300", "--runs", "3"), "\nreturn, up to 8 last episodes "),
+        (("student", "--steps", "300", "--runs", "3"), "\nreturn, last 8 episodes or fewer "),
         (("bandit", "--episodes", "1"), "\nlast pull "),
     ],
 )
@@ -140,13 +133,13 @@ def test_with_an_initial_q_something_is_learned_without_a_reward() -> None:
     assert "--ties random" not in text
 
 
-def test_solve_says_what_it_counts_and_what_the_clock_has_to_do_with_it() -> None:
+def test_solve_says_what_it_counts_and_which_policies_know_the_time_left() -> None:
     text = report("solve", "student")
-    assert "(1 round of evaluating and improving)" in text
+    assert "(1 round of evaluation and improvement)" in text
     assert "undiscounted, within 100 steps, of this policy" in text
-    assert "likewise, choosing by the clock too" in text
-    assert "clock" not in report("solve", "bandit")
-    assert "left out: 1 action." in report("solve", "student", "--gamma", "1")
+    assert "likewise, the largest of any policy that knows the time left" in text
+    assert "time left" not in report("solve", "bandit")
+    assert "Left out: 1 action." in report("solve", "student", "--gamma", "1")
     assert "left out" not in report("solve", "cliff") + report("solve", "windy") + text
 
 

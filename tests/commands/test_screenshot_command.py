@@ -1,19 +1,19 @@
-"""Pictures without a terminal: the same call gives the same bytes."""
+"""Pictures without a terminal."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from called import assert_refused, called
+from shipped import shipped_lessons
 
-from rl_tui.commands.main import program
-from rl_tui.lessons.catalogue import shipped_lessons
+from rl_tui.live.sessions.place import session_folder
 
 
 def picture(tmp_path: Path, name: str, *args: str) -> bytes:
     file = tmp_path / name
-    result = CliRunner().invoke(program, ["screenshot", *args, "--out", str(file)])
+    result = called("screenshot", *args, "--out", file)
     assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
     return file.read_bytes()
 
@@ -34,23 +34,21 @@ def test_a_lesson_is_shown_at_its_first_page_and_goes_on_by_keys(tmp_path: Path)
     assert lesson.pages[1].title in turned
 
 
-@pytest.mark.parametrize("more", [("student",), ("--seed", "3"), ("--alpha", "0.1"), ("--watch", "a.py")])
-def test_a_lesson_brings_its_own_runs(more: tuple[str, ...]) -> None:
-    result = CliRunner().invoke(program, ["screenshot", "--lesson", "loop", *more, "--out", "-"])
-    assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
-
-
 @pytest.mark.parametrize(
     "call",
     [
+        *(
+            ("--lesson", "loop", *more)
+            for more in (("student",), ("--seed", "3"), ("--alpha", "0.1"), ("--big",))
+        ),
+        ("--lesson", "loop", "--watch", "a.py"),
+        ("--lesson", "loop", "--panels", "few"),
         ("student", "--panels", "world,curv"),
         ("student", "--panels", ""),
-        ("--lesson", "loop", "--panels", "few"),
-        ("--lesson", "loop", "--big"),
     ],
 )
-def test_panels_that_there_are_not_here_are_refused(call: tuple[str, ...]) -> None:
-    result = CliRunner().invoke(program, ["screenshot", *call, "--out", "-"])
+def test_what_a_lesson_or_a_picture_does_not_have_is_refused(call: tuple[str, ...]) -> None:
+    result = called("screenshot", *call, "--out", "-")
     assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
 
 
@@ -64,15 +62,13 @@ def test_it_may_begin_with_few_panels_or_with_the_world_alone(tmp_path: Path) ->
     assert b"discount" not in named
 
 
-@pytest.mark.screen
-def test_stdout_takes_the_picture() -> None:
-    result = CliRunner().invoke(program, ["screenshot", "student", "--size", "80x24", "--out", "-"])
-    assert result.exit_code == 0
-    assert result.stdout.startswith("<svg")
-
-
 def test_an_unknown_theme_is_refused() -> None:
-    result = CliRunner().invoke(program, ["screenshot", "student", "--theme", "beige", "--out", "-"])
-    assert result.exit_code == 1
-    assert "beige" in result.stderr
-    assert result.stderr.count("\n") == 1
+    assert_refused(called("screenshot", "student", "--theme", "beige", "--out", "-"), 1, "beige")
+
+
+def test_a_session_given_by_its_name_is_refused_with_its_path() -> None:
+    path = session_folder() / "my-run.json"
+    path.parent.mkdir(parents=True)
+    path.touch()
+    assert_refused(called("screenshot", "my-run", "--out", "-"), 1, str(path))
+    assert "session" not in called("screenshot", "my-walk", "--out", "-").stderr

@@ -1,11 +1,13 @@
-"""The refusals and warnings of ``rl-tui serve``, without a browser."""
+"""``rl-tui serve``, without a browser."""
 
 from __future__ import annotations
 
 import socket
 import sys
+from functools import partial
 
 import pytest
+from called import called
 from click.testing import CliRunner, Result
 
 from rl_tui.commands.by_name import serve
@@ -13,13 +15,10 @@ from rl_tui.commands.main import program
 from rl_tui.commands.serving.addresses import bind, listen
 from rl_tui.common.errors import UserError
 
-
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, ["serve", *args])
+run = partial(called, "serve")
 
 
 def refused(result: Result, status: int) -> str:
-    """Return the last line of stderr of a server that did not start."""
     assert result.stdout == ""
     assert "Traceback" not in result.stderr
     assert result.exit_code == status
@@ -28,7 +27,6 @@ def refused(result: Result, status: int) -> str:
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
-    """Collect the server commands instead of running them."""
     commands: list[tuple[str, ...]] = []
     monkeypatch.setattr(serve, "prepare", lambda scenario: None)
     monkeypatch.setattr(

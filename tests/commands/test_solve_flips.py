@@ -1,30 +1,17 @@
-"""``solve --flips``: its output for programs and for people."""
+"""``solve --flips``."""
 
 from __future__ import annotations
 
-import json
+from functools import partial
 from pathlib import Path
-from typing import Any
 
+import called
 import pytest
-from click.testing import CliRunner
 
-from rl_tui.commands.main import program
 from rl_tui.worlds.files.shipped import shipped_folder
 
 pytestmark = pytest.mark.unit
-
-
-def printed(*args: str) -> str:
-    result = CliRunner().invoke(program, ["solve", *args])
-    assert (result.exit_code, result.stderr) == (0, "")
-    return result.stdout
-
-
-def document(*args: str) -> dict[str, Any]:
-    answer = json.loads(printed(*args, "--json"))
-    assert isinstance(answer, dict)
-    return answer
+printed, document = partial(called.printed, "solve"), partial(called.document, "solve")
 
 
 def test_the_document_is_that_of_solve_and_the_flips() -> None:
@@ -50,7 +37,7 @@ def test_flips_do_not_depend_on_the_gamma_that_is_solved_for() -> None:
 def test_above_100_live_states_there_is_a_reason_in_place_of_flips() -> None:
     answer = document("blackjack-table", "--flips")
     assert answer["flips"] is None
-    assert answer["flips_refused"].endswith("here 290 are live")
+    assert answer["flips_refused"].endswith("here there are 290")
     assert answer["flips_refused"] in printed("blackjack-table", "--flips").splitlines()
 
 
@@ -87,6 +74,6 @@ def test_a_world_drawn_from_the_seed_is_that_of_the_seed(tmp_path: Path) -> None
 
 
 def test_a_world_without_a_table_is_refused() -> None:
-    result = CliRunner().invoke(program, ["solve", "cartpole", "--flips"])
+    result = called.called("solve", "cartpole", "--flips")
     assert result.exit_code != 0
     assert "has no exact values" in result.stderr

@@ -10,7 +10,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from called import assert_refused
+from called import called as run
+from click.testing import Result
 
 from rl_tui.commands import main as main_module
 from rl_tui.commands.line.screen import FEWEST_FILES, require_open_files
@@ -21,12 +23,7 @@ from rl_tui.screen.terminal.driver_choice import driver_class
 SMALL = ("screenshot", "--size", "40x10", "--out", "-")
 
 
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, args)
-
-
 def background_of(result: Result) -> str:
-    """Return the colour that fills the picture."""
     assert result.exit_code == 0, result.stderr
     colours = re.findall(r'<rect fill="(#[0-9a-f]{6})"', result.stdout)
     return max(set(colours), key=colours.count)
@@ -60,9 +57,7 @@ def test_serve_hands_them_on_to_its_apps() -> None:
 
 
 def test_a_command_without_a_screen_refuses_them() -> None:
-    result = run("--ascii", "list")
-    assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
-    assert "--ascii" in result.stderr
+    assert_refused(run("--ascii", "list"), 2, "--ascii")
 
 
 @pytest.mark.parametrize("number", ["0", "-1", "many", "", "9" * 5_000])

@@ -1,25 +1,21 @@
-"""``rl-tui train --agent``: your agent, with the same document and metrics as a built-in agent."""
+"""``rl-tui train --agent``."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from called import assert_refused, called
 from programs.course_agents import FUNCTION, GYMNASIUM, OF_STYLE, RL_GLUE, UDACITY, agent_in
 
-from rl_tui.commands.main import program
-
 pytestmark = pytest.mark.process
-
-
-def train(*args: object) -> Result:
-    return CliRunner().invoke(program, ["train", *map(str, args)], prog_name="rl-tui")
+train = partial(called, "train")
 
 
 def document(*args: object) -> dict[str, Any]:
@@ -106,16 +102,13 @@ def test_the_report(tmp_path: Path) -> None:
     [
         (UDACITY.replace("goal = reward if", "goal = 1 / 0 if"), (), "mine.py, line 18: ZeroDivisionError"),
         ("def f(:\n", (), "line 1"),
-        ("x = 1\n", (), "found no agent: an agent has these methods"),
+        ("x = 1\n", (), "found no agent. An agent needs the methods of one of these styles"),
         (OF_STYLE["udacity"], ("--alpha", "sample-average"), "expected a number for an agent"),
     ],
 )
 def test_what_goes_wrong_is_one_line(text: str, more: tuple[str, ...], said: str, tmp_path: Path) -> None:
     path = agent_in(tmp_path, text)
-    result = train("frozenlake", "--agent", path, "--episodes", 20, *more)
-    assert result.exit_code == 1
-    assert len(result.stderr.splitlines()) == 1
-    assert said in result.stderr
+    assert_refused(train("frozenlake", "--agent", path, "--episodes", 20, *more), 1, said)
 
 
 def test_no_changes_on_the_way(tmp_path: Path) -> None:

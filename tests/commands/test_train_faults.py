@@ -1,4 +1,4 @@
-"""``train`` with an environment that fails, prints or never answers."""
+"""``train`` with an environment that fails."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_what_an_environment_writes_to_descriptor_1_is_no_result() -> None:
 
 def test_results_reach_stdout_though_an_environment_never_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     written = io.BytesIO()
-    stdout = io.TextIOWrapper(written)
+    stdout = io.TextIOWrapper(written, encoding="utf-8")
     monkeypatch.setattr("sys.stdout", stdout)
     monkeypatch.setattr("sys.__stdout__", stdout)
     left: list[int] = []

@@ -12,6 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from called import assert_refused
+from called import called as run
 from click.testing import CliRunner, Result
 
 from rl_tui import __version__
@@ -27,12 +29,7 @@ from rl_tui.runs.timeline.branches import FIRST, RunRecord
 from rl_tui.screen.keys.registry import ACTIONS
 
 
-def run(*args: str) -> Result:
-    return CliRunner().invoke(program, args)
-
-
 def one_line(result: Result) -> str:
-    """Return the only line of stderr. Stdout must be empty."""
     assert result.stdout == ""
     assert "Traceback" not in result.stderr
     assert result.stderr.count("\n") == 1
@@ -89,24 +86,17 @@ def test_help_has_a_section_for_each_purpose() -> None:
 @pytest.mark.parametrize(
     ("option", "range_"),
     [
-        (("--alpha", "0"), "(0, 1] or sample-average"),
         (("--alpha", "-1"), "(0, 1]"),
-        (("--alpha=-1",), "(0, 1]"),
-        (("--alpha", "1.5"), "(0, 1]"),
         (("--alpha", "nan"), "(0, 1]"),
         (("--alpha", "fast"), "(0, 1]"),
         (("--gamma", "1.01"), "[0, 1]"),
-        (("--gamma", "-0.1"), "[0, 1]"),
         (("--gamma", "inf"), "[0, 1]"),
-        (("--epsilon", "2"), "[0, 1]"),
         (("--epsilon=-1e-9",), "[0, 1]"),
         (("--epsilon-min", "2"), "[0, 1]"),
-        (("--epsilon-decay", "-1"), "[0, ∞)"),
         (("--epsilon-decay", "inf"), "[0, ∞)"),
         (("--initial-q", "nan"), "[-1e+12, 1e+12]"),
         (("--initial-q", "-1e13"), "[-1e+12, 1e+12]"),
         (("--ties", "last"), "random or first"),
-        (("--episodes", "-5"), "[1, "),
         (("--episodes", "0"), "[1, "),
         (("--episodes", "1e3"), "[1, "),
         (("--steps", "-5"), "[1, "),
@@ -162,54 +152,44 @@ def test_near_commands_are_suggested() -> None:
 @pytest.mark.parametrize(
     ("word", "said"),
     [
-        ("export", "the key m x: rl-tui play ("),
-        ("explain", "the key t y (why): rl-tui play ("),
-        ("ATLAS", "the key t s (settings map): rl-tui play ("),
-        ("heatmap", "the key t s (settings map): rl-tui play ("),
-        ("restart", "the key r r (the same): rl-tui play ("),
-        ("findings", "the key a f: rl-tui watch SCRIPT.py ("),
-        ("hint", "the key h: rl-tui learn ("),
-        ("delete", "the key del: rl-tui ("),
+        ("export", "start rl-tui play, then press m x ("),
+        ("explain", "start rl-tui play, then press t y (why) ("),
+        ("ATLAS", "start rl-tui play, then press t s (settings map) ("),
+        ("heatmap", "start rl-tui play, then press t s (settings map) ("),
+        ("restart", "start rl-tui play, then press r r (the same) ("),
+        ("findings", "start rl-tui watch SCRIPT.py, then press a f ("),
+        ("hint", "start rl-tui learn, then press h ("),
+        ("delete", "start rl-tui, then press del ("),
     ],
 )
 def test_words_of_keys_are_found_on_screen(word: str, said: str) -> None:
-    result = run(word, "frozenlake")
-    assert result.exit_code == 2
-    assert f"unknown command {word!r}; on screen it is {said}" in one_line(result)
+    assert_refused(run(word, "frozenlake"), 2, f"unknown command {word!r}; it is a key on screen: {said}")
 
 
 def test_each_key_is_found_by_its_label() -> None:
     for action in ACTIONS:
-        assert "on screen it is the key" in key_on_screen(action.label)
+        assert "it is a key on screen" in key_on_screen(action.label)
 
 
 @pytest.mark.parametrize("command", ["train", "solve"])
 def test_unknown_scenarios_suggest_near_ones(command: str) -> None:
-    result = run(command, "frozenlak")
-    assert result.exit_code == 1
-    assert "did you mean frozenlake" in one_line(result)
+    assert_refused(run(command, "frozenlak"), 1, "did you mean frozenlake")
 
 
 def test_a_missing_file_is_named() -> None:
-    result = run("train", "nowhere/to-be-found.toml")
-    assert result.exit_code == 1
-    assert "nowhere/to-be-found.toml" in one_line(result)
+    assert_refused(run("train", "nowhere/to-be-found.toml"), 1, "nowhere/to-be-found.toml")
 
 
 def test_a_csv_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     target = str(tmp_path / "missing" / "episodes.csv")
     for more in ((), ("--runs", "2")):
-        result = run("train", "student", "--csv", target, *more)
-        assert result.exit_code == 1
-        assert target in one_line(result)
+        assert_refused(run("train", "student", "--csv", target, *more), 1, target)
 
 
 @pytest.mark.screen
 def test_a_picture_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     target = str(tmp_path / "missing" / "picture.svg")
-    result = run("screenshot", "student", "--out", target, "--size", "80x24")
-    assert result.exit_code == 1
-    assert target in one_line(result)
+    assert_refused(run("screenshot", "student", "--out", target, "--size", "80x24"), 1, target)
 
 
 def test_check_reports_every_fault_and_fails(tmp_path: Path) -> None:
@@ -296,7 +276,7 @@ to = "Work"
 @pytest.mark.parametrize(
     ("limit", "reward", "epsilon", "warned"),
     [
-        ("", -1.0, 0.0, "with what SARSA learns, at γ 0.99 and ε 0, an episode takes nearly for ever"),
+        ("", -1.0, 0.0, "after SARSA has learned, with γ 0.99 and ε 0, an episode takes almost forever"),
         ("", -1.0, 0.1, "the optimal policy for γ 0.99 may never end an episode"),
         ("", 1.0, 0.0, ""),
         ("time_limit = 50", -1.0, 0.0, ""),
@@ -338,9 +318,7 @@ def test_check_accepts_the_shipped_scenarios() -> None:
 
 @pytest.mark.parametrize("args", [(), ("play",), ("play", "frozenlake")])
 def test_without_a_terminal_one_sentence_and_status_2(args: tuple[str, ...]) -> None:
-    result = run(*args)
-    assert result.exit_code == 2
-    assert "needs a terminal" in one_line(result)
+    assert_refused(run(*args), 2, "needs a terminal")
 
 
 def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -349,21 +327,12 @@ def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.delenv(program_module.TRACEBACK, raising=False)
     monkeypatch.setattr("rl_tui.runs.library.find", broken)
-    result = run("train", "student")
-    assert result.exit_code == 1
-    assert "ZeroDivisionError: a b" in one_line(result)
+    assert_refused(run("train", "student"), 1, "ZeroDivisionError: a b")
     monkeypatch.setenv(program_module.TRACEBACK, "1")
     assert isinstance(run("train", "student").exception, ZeroDivisionError)
 
 
-@pytest.mark.parametrize(
-    ("package", "args"),
-    [
-        ("scipy", ("solve", "taxi")),
-        ("scipy", ("sweep", "student", "--vary", "alpha=0.1,0.5", "--episodes", "2", "--no-again")),
-        ("gymnasium", ("list",)),
-    ],
-)
+@pytest.mark.parametrize(("package", "args"), [("tomlkit", ("new", "own")), ("gymnasium", ("list",))])
 def test_a_missing_package_is_named_with_how_to_install_it(
     package: str, args: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -431,7 +400,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        ("--kiosk", "unknown option --kiosk here; it is one of rl-tui, rl-tui play, rl-tui learn"),
+        ("--kiosk", "unknown option --kiosk here; it belongs to rl-tui, rl-tui play, rl-tui learn"),
         ("--runes=3", "unknown option --runes; did you mean --runs?"),
         ("--zzz", "unknown option --zzz"),
         ("-z", "unknown option -z"),

@@ -1,4 +1,4 @@
-"""``rl-tui warm``: the loops it compiles, its messages and its refusals."""
+"""``rl-tui warm``."""
 
 from __future__ import annotations
 
@@ -23,8 +23,6 @@ LOOPS = [Loop(name, "epsilon-greedy", stepped=False) for name in ("one", "one", 
 
 
 class Lock:
-    """A compiler lock that other processes hold for some tries."""
-
     def __init__(self, held: int = 0) -> None:
         self.held = held
 
@@ -39,8 +37,6 @@ class Lock:
 
 
 class Worker:
-    """A worker that gives the same answer to all. The class lists the started workers."""
-
     started: list[Worker]
     says: Callable[[Loop], str]
 
@@ -62,7 +58,6 @@ class Worker:
 
 @pytest.fixture
 def noted(monkeypatch: pytest.MonkeyPatch) -> set[Loop]:
-    """Three loops of two algorithms, a cache that notes the returned ones, and workers."""
     noted: set[Loop] = set()
     monkeypatch.setattr(Worker, "started", [], raising=False)
     monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: CodeOrigin.COMPILED), raising=False)
@@ -133,7 +128,7 @@ def test_without_workers_this_process_compiles(
 def test_it_says_how_many_and_where(noted: set[Loop]) -> None:
     done = CliRunner().invoke(program, ["warm"])
     assert done.exit_code == 0
-    assert done.stdout == f"compiled: 3; there already: 0\n{cache_folder()}\n"
+    assert done.stdout == f"compiled: 3; already compiled: 0\n{cache_folder()}\n"
     assert done.stderr == ""
 
 
@@ -162,7 +157,7 @@ def test_what_scenarios_begin_with_is_there_afterwards() -> None:
     run(*command)
     again = run(*command)
     assert (again.returncode, again.stderr) == (0, "")
-    assert again.stdout.splitlines()[0] == "compiled: 0; there already: 2"
+    assert again.stdout.splitlines()[0] == "compiled: 0; already compiled: 2"
 
 
 @pytest.mark.process

@@ -1,18 +1,17 @@
-"""``rl-tui watch``: its document, the script's arguments, and its refusals."""
+"""``rl-tui watch``."""
 
 from __future__ import annotations
 
 import json
 import os
+from functools import partial
 from pathlib import Path
 from textwrap import dedent
-from typing import Any
 
+import called
 import pytest
-from click.testing import CliRunner
 
 from rl_tui.commands.by_name import watch
-from rl_tui.commands.main import program
 from rl_tui.programs.watched.program_log import ProgramLog
 
 pytestmark = pytest.mark.process
@@ -38,8 +37,11 @@ for episode in range(600):
 """
 
 
+document = partial(called.document, "watch")
+
+
 def run(*args: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(program, ["watch", *args])
+    result = called.called("watch", *args)
     return result.exit_code, result.stdout, result.stderr
 
 
@@ -87,6 +89,21 @@ def test_findings_are_no_failure_and_have_their_line(tmp_path: Path) -> None:
     assert {"kind", "certainty", "step", "steps_for", "steps_against", "file", "line", "text"} <= set(finding)
     assert (finding["kind"], finding["certainty"]) == ("fault", "proven")
     assert (finding["file"], finding["line"]) == (path, 16)
+
+
+def test_the_example_is_the_script_of_the_docs_with_its_bug() -> None:
+    code, text, complaint = run("--example", "--json", "--steps", "1500")
+    found = json.loads(text)
+    assert (code, complaint) == (0, "")
+    assert Path(found["script"]) == Path(__file__).parents[2] / "docs" / "lake.py"
+    assert [each["fault"] for each in found["findings"]] == ["updates-after-moving"]
+
+
+@pytest.mark.parametrize("args", [(), ("--example", "mine.py")])
+def test_there_is_one_script(args: tuple[str, ...]) -> None:
+    code, text, complaint = run(*args)
+    assert (code, text, complaint.count("\n")) == (2, "", 1)
+    assert "--example" in complaint
 
 
 def test_where_nothing_is_known_there_is_null(tmp_path: Path) -> None:
@@ -183,7 +200,6 @@ def test_what_is_no_script_is_refused_in_a_line(tmp_path: Path, content: bytes |
 
 
 def notebook_in(folder: Path, *cells: str) -> Path:
-    """Write a notebook with a text and then ``cells`` of code."""
     said = [{"cell_type": "markdown", "source": ["a text\n", "of two lines"]}]
     said += [{"cell_type": "code", "outputs": [], "source": each.splitlines(keepends=True)} for each in cells]
     path = folder / "course.ipynb"
@@ -229,10 +245,3 @@ def test_strangers_cannot_run_scripts(
     code, printed, complaint = run(path, "--json")
     assert (code, printed, len(complaint.splitlines())) == (1, "", 1)
     assert os.listdir(tmp_path) == ["script.py"]
-
-
-def document(*args: str) -> Any:
-    """Return the output of ``watch --json``, which must succeed."""
-    code, text, complaint = run(*args, "--json")
-    assert (code, complaint) == (0, "")
-    return json.loads(text)

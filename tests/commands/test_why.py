@@ -1,26 +1,20 @@
-"""``rl-tui why``: its document, its text, and its refusals."""
+"""``rl-tui why``."""
 
 from __future__ import annotations
 
-import json
-from typing import Any
+from functools import partial
 
+import called
 import pytest
-from click.testing import CliRunner
 
-from rl_tui.commands.main import program
 from rl_tui.runs.answers.first_update_words import NOTHING_IN_THE_WAY
+
+document = partial(called.document, "why")
 
 
 def run(*args: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(program, ["why", *args])
+    result = called.called("why", *args)
     return result.exit_code, result.stdout, result.stderr
-
-
-def document(*args: str) -> Any:
-    code, text, complaint = run(*args, "--json")
-    assert (code, complaint) == (0, "")
-    return json.loads(text)
 
 
 def test_the_document() -> None:
@@ -54,7 +48,7 @@ def test_waits_of_1_and_none(args: tuple[str, ...], figures: tuple[float, float 
 def test_the_text_has_the_wait_the_cause_and_the_remedies() -> None:
     code, text, _ = run("frozenlake", "--ties", "first")
     assert code == 0
-    for words in ("5.41665e-6", "184,616", "127,966 or fewer", "ties first", "ties random", "71.7"):
+    for words in ("5.41665e-6", "184,616", "127,966 or fewer", "ties = first", "ties random", "71.7"):
         assert words in text
     assert NOTHING_IN_THE_WAY in run("cliff")[1]
 

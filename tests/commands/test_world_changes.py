@@ -1,15 +1,15 @@
-"""``train --change STEP:world.…``: the world changes at that step."""
+"""``train --change STEP:world.…``."""
 
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from called import assert_refused, called
 
-from rl_tui.commands.main import program
 from rl_tui.live.record import Record
 from rl_tui.live.sessions.session import encoded
 from rl_tui.runs.changes import journal_of, read_change
@@ -34,10 +34,7 @@ title = "Drawn from the seed"
 arms = 3
 budget = 50
 """
-
-
-def train(*args: str) -> Result:
-    return CliRunner().invoke(program, ["train", *args])
+train = partial(called, "train")
 
 
 def trained(*args: str) -> dict[str, Any]:
@@ -116,10 +113,10 @@ def test_each_seed_edits_the_world_that_it_drew(tmp_path: Path) -> None:
         ("10:world.redo=1", "10:world.redo=1: there is no edit", 1),
         ("10:world.undo=2", 'world.undo is "2"; expected world.undo=1', 2),
         ("10:world.rows=+1@9", "rows=+1@9: the rows are numbered from 0 to 2", 1),
-        ("10:world.rows=+0@1", "for example +1@3", 1),
+        ("10:world.rows=+0@1", "such as +1@3", 1),
         (
             "10:world.noise=$(rm -rf /)",
-            'grid.noise is "$(rm -rf /)"; expected a finite number from 0 to 1',
+            'grid.noise: found "$(rm -rf /)"; expected a finite number from 0 to 1',
             1,
         ),
         ("10:world.noise=nan", "expected a finite number", 1),
@@ -140,9 +137,7 @@ def test_faults_name_the_step_and_the_edit_in_one_line(
     world: str, change: str, fault: str, status: int
 ) -> None:
     result = train(world, "--steps", "50", "--change", change)
-    assert (result.exit_code, result.stdout) == (status, "")
-    assert fault in result.stderr
-    assert result.stderr.count("\n") == 1
+    assert_refused(result, status, fault)
     assert len(result.stderr) < 600
 
 
@@ -171,7 +166,7 @@ def test_each_edit_of_the_contract_counts_and_a_session_of_it_replays(
     branch = Branch("branch 1", journal, end=90, here=90)
     session = tmp_path / "session.json"
     session.write_bytes(encoded(Record((RunRecord(made_from, (branch,)),))))
-    result = CliRunner().invoke(program, ["replay", str(session), "--json"])
+    result = called("replay", session, "--json")
     assert (result.exit_code, result.stderr) == (0, "")
     replayed = json.loads(result.stdout)
     for name in ("world", "journal", "states", "actions", "q", "visits", "episodes", "steps"):

@@ -1,4 +1,4 @@
-"""Expressions of figures: their allowed parts and their refusals."""
+"""Expressions of figures."""
 
 from __future__ import annotations
 
@@ -40,52 +40,24 @@ def test_what_an_expression_comes_to(text: str, value: Any) -> None:
     assert worked_out(text) == (pytest.approx(value) if isinstance(value, float) else value)
 
 
+_REFUSED = (
+    "1 + | two.real | ().__class__ | __import__('os').system('true') | f(x for x in two) | [x for x in "
+    "[1]] | {x for x in [1]} | lambda: 1 | f'{two}' | 1 if two else 2 | two > 1 | not two | two and two |"
+    " two[0] | f(*[1]) | f(**{'a': 1}) | {**{'a': 1}} | (x := 1) | 7 // 2 | 7 % 2 | 1 << 9 | ~1 | 1j | "
+    "b'a' | None | ... | two; two | two = 1 | 1e16 | 'a' + 'b' | 'a' * 3 | True + 1 | 1 / 0 | 0 ** -1 | "
+    "(-8) ** 0.5 | 9e14 ** 900 | f(1) + 1 | two(1)(2)"
+)
+
+
 @pytest.mark.parametrize(
     "text",
     [
         "",
-        "1 +",
-        "two.real",
-        "().__class__",
-        "__import__('os').system('true')",
-        "f(x for x in two)",
-        "[x for x in [1]]",
-        "{x for x in [1]}",
-        "lambda: 1",
-        "f'{two}'",
-        "1 if two else 2",
-        "two > 1",
-        "not two",
-        "two and two",
-        "two[0]",
-        "f(*[1])",
-        "f(**{'a': 1})",
-        "{**{'a': 1}}",
-        "(x := 1)",
-        "7 // 2",
-        "7 % 2",
-        "1 << 9",
-        "~1",
-        "1j",
-        "b'a'",
-        "None",
-        "...",
-        "two; two",
-        "two = 1",
-        "1e16",
+        *_REFUSED.split(" | "),
         "9" * 4000,
         "(" * 300 + "1" + ")" * 300,
         "-" * 40 + "1",
         "+".join("1" * 400),
-        "'a' + 'b'",
-        "'a' * 3",
-        "True + 1",
-        "1 / 0",
-        "0 ** -1",
-        "(-8) ** 0.5",
-        "9e14 ** 900",
-        "f(1) + 1",
-        "two(1)(2)",
     ],
 )
 def test_all_else_is_refused(text: str) -> None:

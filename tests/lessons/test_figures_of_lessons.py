@@ -1,4 +1,4 @@
-"""Figures of lessons: values of the literature and of commands, and reports of wrong ones."""
+"""Figures of lessons."""
 
 from __future__ import annotations
 
@@ -89,7 +89,6 @@ RUNS: Final = (
 
 
 def finding(value: str, by: str) -> str:
-    """The error in a figure written as ``value``, in one line; empty if it is right."""
     lesson = with_figures(f"tried = {{ value = {json.dumps(value)}, by = {json.dumps(by)} }}")
     found = LessonFigures(lesson).finding("tried")
     return "" if found is None else f"{found.location[-1]}: {found.found}; {found.expected}"
@@ -111,7 +110,7 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "optimal_valu('Class')", 'did you mean "optimal_value"?'),
         ("1", "optimal_value('Clas')", 'did you mean "Class"?'),
         ("1", "optimal_q('Class', 'studdy')", 'did you mean "study"?'),
-        ("1", "optimal_q('Pass', 'study')", "one of sleep"),
+        ("1", "optimal_q('Pass', 'study')", "choose one of sleep"),
         ("1", "optimal_q('Class')", "optimal_q(state, action)"),
         ("1", "optimal_value('Class', gama=0.5)", 'did you mean "gamma"?'),
         ("1", "optimal_value('Class', gamma=2)", "[0, 1]"),
@@ -123,14 +122,14 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "frist + 1", 'did you mean "first"?'),
         ("1", "flip(2)", "a whole number, 1 to 1"),
         ("1", "policy_value('Class', 'best')", "uniform, optimal, soft, first"),
-        ("1", "run('q', steps=1)", "q with state, action"),
+        ("1", "run('q', steps=1)", "q needs state, action; add state"),
         ("1", "run('qq', steps=1)", "the name of a measure"),
-        ("1", "run('reward')", "how far a run goes"),
+        ("1", "run('reward')", "the length of the run"),
         ("1", "run('reward', steps=1, changes=['0:epsilon=7'])", "epsilon"),
         ("1", "run('regret', steps=1)", "not a bandit"),
         ("1", "mean('episodes', seeds=20, steps=9)", "50 to 10,000"),
         ("1", "share('episodes', steps=9)", "one of at_least"),
-        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "compared with"),
+        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "cannot be compared with"),
         ("1", "mean('policy_in', steps=9, state='Class')", "a number under every seed"),
         ("1", "mean('first_reward_episode', steps=1)", "a number under every seed"),
         ("1", "ahead('steps', 1, {}, steps=9)", "a table of settings"),
@@ -139,8 +138,8 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "attempt('doo', 'study', 'steps')", 'did you mean "do"?'),
         ("1", "attempt('do', 'studi', 'steps')", 'did you mean "study"?'),
         ("1", "sqrt(-1)", "sqrt(x)"),
-        ("1", "log('a')", "log of numbers"),
-        ("1", "tried + 1", "tried → tried, a circle"),
+        ("1", "log('a')", 'log of "a" is not possible'),
+        ("1", "tried + 1", "tried → tried is a cycle"),
         ("1", "algorithm", '"q-learning"'),
         ("about one", "1", "a number, such as 1"),
         ("1 ± 0.1", "1", "not a mean over seeds"),
@@ -157,7 +156,7 @@ def test_figures_that_ask_for_each_other() -> None:
     )  # fmt: skip
     found = LessonFigures(lesson).finding("here")
     assert found is not None
-    assert found.found == "here → there → over-there → here, a circle"
+    assert found.found == "here → there → over-there → here is a cycle; a figure must not depend on itself"
 
 
 def test_figures_that_ask_for_very_many_others() -> None:
@@ -235,7 +234,6 @@ def test_exact_figures_are_those_of_the_commands() -> None:
 
 
 def counted(by: str, budget: StepBudget) -> str:
-    """The error in a figure with this ``budget``; empty if it can be computed."""
     lesson = with_figures(f"tried = {{ value = '1', by = {json.dumps(by)} }}")
     try:
         LessonFigures(lesson, budget).value("tried")

@@ -1,7 +1,7 @@
 """Claims about learning in the notes of scenarios, computed again with fewer runs.
 
-The notes contain each claim: ``70.9 ± 0.7`` is a mean and its standard error. The mean of fewer runs must
-agree within four standard errors, where both errors are combined.
+``70.9 ± 0.7`` is a mean and its standard error. The mean of fewer runs must agree within four standard errors
+of both.
 """
 
 from __future__ import annotations
@@ -35,8 +35,6 @@ PERCENT: Final = 100.0
 
 @dataclass(frozen=True)
 class Claim:
-    """A figure of ``runs`` runs of ``episodes`` episodes, and its place in the notes of a scenario."""
-
     scenario: str
     text: str
     figure: str
@@ -47,7 +45,6 @@ class Claim:
 
 
 def notes_of(scenario: str) -> str:
-    """The notes of a scenario, without line breaks."""
     return " ".join(find(scenario).notes.split())
 
 
@@ -56,7 +53,6 @@ def is_said(scenario: str, text: str) -> None:
 
 
 def agrees(text: str, counted: Sequence[float | None], scale: float = 1.0) -> None:
-    """Compare our mean with the first mean and standard error in ``text``."""
     found = _FIGURE.search(text)
     assert found, text
     stated, error = (float(found[group].replace("−", "-").replace(",", "")) for group in (1, 3))
@@ -86,14 +82,21 @@ SLIPPERY, LARGE = "frozenlake-slippery", "frozenlake-8x8-slippery"
 CLAIMS: Final = (
     Claim(SLIPPERY, "arrives in 70.9 ± 0.7 episodes of 100", BECAME, 10_000, scale=PERCENT),
     Claim(SLIPPERY, "reaches 73.9 ± 0.03", BECAME, 10_000, values=FALLING, scale=PERCENT),
-    Claim(SLIPPERY, "from the start it is 57.5 ± 1.9", BECAME, 10_000, values={"alpha": 0.02}, scale=PERCENT),
-    Claim(SLIPPERY, "down to 0 24.7 ± 1.8", BECAME, 10_000, values={"alpha_decay": 0.001}, scale=PERCENT),
-    Claim(SLIPPERY, "`sample-average`, 1/N, 40.1 ± 2.0", BECAME, 10_000, values=AVERAGE, scale=PERCENT),
+    Claim(SLIPPERY, "arrives in 57.5 ± 1.9 episodes", BECAME, 10_000, values={"alpha": 0.02}, scale=PERCENT),
+    Claim(
+        SLIPPERY,
+        "per episode to 0: in 24.7 ± 1.8",
+        BECAME,
+        10_000,
+        values={"alpha_decay": 0.001},
+        scale=PERCENT,
+    ),
+    Claim(SLIPPERY, "`sample-average`, 1/N: in 40.1 ± 2.0", BECAME, 10_000, values=AVERAGE, scale=PERCENT),
     Claim(LARGE, "comes in episode 520 ± 62", "first_reward_episode", 10_000, runs=20),
     Claim(LARGE, "in 80.4 ± 1.1 episodes of 100", BECAME, 10_000, runs=20, scale=PERCENT),
     Claim(
         LARGE,
-        "it gains nothing: 80 ± 3 of 100",
+        "It gains nothing here: 80 ± 3 of 100",
         BECAME,
         10_000,
         runs=15,
@@ -113,11 +116,11 @@ CLAIMS: Final = (
     Claim("karpathy", "it is 0.210 ± 0.003", AT_START, 1_000, runs=20),
     Claim("maze-188", "worth 0.185 ± 0.002", AT_START, 2_000),
     Claim("windy", "takes 20.3 ± 0.1 steps", "length_last_100", 500),
-    Claim("windy", "takes 16.1 ± 0.1 on the average where it arrives", BECAME, 500, scale=-1.0),
+    Claim("windy", "takes 16.1 ± 0.1 on average if it arrives", BECAME, 500, scale=-1.0),
     Claim("windy", "17.31 ± 0.02 and", "length_last_100", 500, values={"algorithm": "expected-sarsa"}),
     Claim("windy", "17.20 ± 0.02 steps", "length_last_100", 500, values=LEARNER),
     Claim("windy-king", "takes 11.2 ± 0.1 steps", "length_last_100", 500),
-    Claim("windy-king", "7.5 ± 0.1 where it arrives", BECAME, 500, scale=-1.0),
+    Claim("windy-king", "7.5 ± 0.1 steps in the runs", BECAME, 500, scale=-1.0),
     Claim("taxi", "then returns −53 ± 2", BECAME, 500, runs=10),
     Claim("taxi", "−1.8 ± 0.7", BECAME, 1_000, runs=10),
     Claim("taxi", "returns 7.5 ± 0.2", BECAME, 500, runs=10, values=DYNA),
@@ -132,7 +135,7 @@ CLAIMS: Final = (
         runs=100,
         values={"epsilon": 0.0, "alpha": 0.1, "initial_q": 5.0},
     ),
-    Claim("bandit", "that of ε = 0.1 is 236 ± 4", "regret", 1_000, runs=100),
+    Claim("bandit", "with ε = 0.1 it is 236 ± 4", "regret", 1_000, runs=100),
     Claim("bandit", "With c = 2 the regret is 150 ± 1", "regret", 1_000, runs=100, values={"policy": "ucb"}),
     Claim(
         "bandit", "c = 1 only 60 ± 1", "regret", 1_000, runs=100, values={"policy": "ucb", "confidence": 1.0}
@@ -152,7 +155,7 @@ CLAIMS: Final = (
         values={"policy": "ucb", "confidence": 0.3},
     ),
     Claim("bandit-drifting", "its regret is 167 ± 3", "regret", 1_000, runs=100, values=AVERAGE),
-    Claim("bandit-drifting", "that of α = 0.1 is 141 ± 1", "regret", 1_000, runs=100),
+    Claim("bandit-drifting", "with α = 0.1 it is 141 ± 1", "regret", 1_000, runs=100),
     Claim("bandit-drifting", "it is 3,144 ± 44", "regret", 10_000, values=AVERAGE),
     Claim("bandit-drifting", "and 1,532 ± 6", "regret", 10_000),
     Claim("bandit-drifting", "(1,833 ± 5)", "regret", 10_000, values={"alpha": 0.2}),
@@ -189,9 +192,10 @@ def test_the_page_on_settings_says_the_same_of_the_slippery_lake() -> None:
 @pytest.mark.parametrize(
     ("scenario", "runs", "alpha", "text"),
     [
-        (SLIPPERY, 20, 0.01, "after 5,000 episodes: 73.5 ± 0.1 after 5,000 more"),
+        (SLIPPERY, 20, 0.01, "after 5,000 more, the greedy policy arrives in 73.5 ± 0.1 episodes of 100"),
         pytest.param(
-            *(LARGE, 10, 0.02, "calms down, and after 5,000 more it is 84.8 ± 0.5"), marks=MANY_SEEDS
+            *(LARGE, 10, 0.02, "After 5,000 more, the greedy policy arrives in 84.8 ± 0.5 episodes of 100"),
+            marks=MANY_SEEDS,
         ),
     ],
 )
@@ -210,7 +214,10 @@ def test_a_small_step_size_after_a_large_one_calms_the_lake(
 
 
 def test_the_sample_average_keeps_what_the_first_targets_were() -> None:
-    is_said(SLIPPERY, "After 10,000 episodes its estimate of the start is 0.04. The exact value is 0.54.")
+    is_said(
+        SLIPPERY,
+        "After 10,000 episodes with 1/N, the estimate of the start is 0.04. The exact value is 0.54.",
+    )
     found = []
     for seed in range(20):
         run = Run(recipe(SLIPPERY, seed=seed, **AVERAGE), evaluate=False)
@@ -220,7 +227,6 @@ def test_the_sample_average_keeps_what_the_first_targets_were() -> None:
 
 
 def best_arms(scenario: str, episodes: int, last: int, **values: Any) -> float:
-    """The share of the best arm in the last pulls of 100 runs."""
     curve = trained(scenario, 100, episodes, **values)["curve"]
     is_late = np.array(curve["episode"]) > episodes - last
     return float(np.array(curve["optimal_action_rate"])[is_late].mean())
@@ -247,7 +253,6 @@ def test_greed_finds_the_best_coin_now_and_then() -> None:
 
 
 def episode_lengths(scenario: str, runs: int, episodes: int, **values: Any) -> list[list[int]]:
-    """The length of each episode of each run."""
     found: list[list[int]] = []
     for seed in range(runs):
         lengths: list[int] = []
@@ -282,7 +287,7 @@ def test_planning_shortens_the_first_episodes(planning_steps: int, episode: int,
     [
         (LEARNER, 0, "In the first 100 episodes Q-learning goes left in 75.6 ± 0.6 %"),
         pytest.param({"algorithm": "double-q-learning"}, 0, "in 18.8 ± 0.5 %", marks=MANY_SEEDS),
-        pytest.param(LEARNER, 280, "it is 12.2 ± 0.7 %", marks=MANY_SEEDS),
+        pytest.param(LEARNER, 280, "the shares are 12.2 ± 0.7 %", marks=MANY_SEEDS),
         pytest.param({"algorithm": "double-q-learning"}, 280, "and 7.0 ± 0.4 %", marks=MANY_SEEDS),
         pytest.param(AVERAGE, 280, "81.9 ± 1.0 % still go left", marks=MANY_SEEDS),
         pytest.param({"algorithm": "expected-sarsa"}, 0, "goes left in 59.9 ± 0.8 %", marks=MANY_SEEDS),

@@ -1,4 +1,4 @@
-"""A lesson in a session file: everything loads, old files open, damaged ones are refused in one line."""
+"""A lesson in a session file."""
 
 # ruff: noqa: E501
 
@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from fuzz_seeds import signed
 from lesson_sessions import TEXT, all_done, lesson, record, run_of, setup, taken, write
+from shipped import shipped_lessons
 
 from rl_tui.common.errors import UserError
-from rl_tui.lessons.catalogue import shipped_lessons
 from rl_tui.lessons.file.view import Given, begun
 from rl_tui.lessons.lesson import lesson_folder, lesson_of
 from rl_tui.live.sessions.document import VERSION
@@ -109,7 +109,6 @@ EVIDENCE = "passed.0"
 
 
 def changed(place: str, value: Any) -> str:
-    """A valid session, signed again after ``value`` was set at ``place`` in its lesson."""
     fields = json.loads(json.dumps(SOUND))
     holder: Any = fields["lesson"]
     *way, last = [int(step) if step.isdigit() else step for step in place.split(".")]
@@ -155,9 +154,9 @@ REFUSED = {
     "tasks without end": (lambda: changed("passed", SOUND["lesson"]["passed"] * 400), "at most 1000"),
     "evidence of an unknown algorithm": (lambda: changed(f"{EVIDENCE}.algorithm", "luck"), 'lesson.passed[0].algorithm is "luck"'),
     "evidence of a setting out of range": (lambda: changed(f"{EVIDENCE}.hyperparameters.gamma", 2.0), "lesson.passed[0].hyperparameters: gamma"),
-    "evidence of an unknown setting": (lambda: changed(f"{EVIDENCE}.hyperparameters.luck", 2.0), "no hyper-parameter"),
+    "evidence of an unknown setting": (lambda: changed(f"{EVIDENCE}.hyperparameters.luck", 2.0), "no setting"),
     "evidence that no world is": (lambda: changed(f"{EVIDENCE}.scenario.text", "[mdp]"), "the scenario in it cannot be played"),
-    "evidence of a module": (lambda: changed(f"{EVIDENCE}.scenario", {"id": "gym:os:X-v0", "kind": "gymnasium", "title": "t"}), "without a module"),
+    "evidence of a module": (lambda: changed(f"{EVIDENCE}.scenario", {"id": "gym:os:X-v0", "kind": "gymnasium", "title": "t"}), "names a module"),
     "evidence beyond its end": (lambda: changed(f"{EVIDENCE}.step", 0), "lesson.passed[0].journal: step 1 is out of order, or beyond the end of the branch"),
     "evidence out of order": (lambda: changed(f"{EVIDENCE}.journal", [{"step": 1, "take": 0}, {"step": 0, "take": 0}]), "out of order"),
     "evidence of no change": (lambda: changed(f"{EVIDENCE}.journal", [{"step": 1}]), "lesson.passed[0].journal[0]: not a change"),

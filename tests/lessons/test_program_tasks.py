@@ -1,4 +1,4 @@
-"""Tasks that ask for a program: it is watched to its end, and judged by the changes of its table."""
+"""Tasks that ask for a program."""
 
 from __future__ import annotations
 
@@ -58,9 +58,9 @@ def test_a_program_that_is_right_passes_and_is_the_evidence() -> None:
             [3],
             "time limit",
         ),
-        (updating("reward + (0 if terminated else gamma * max(Q[state]))"), [0], "max Q(s)"),
+        (updating("reward + (0 if terminated else gamma * max(Q[state]))"), [0, 3], "max Q(s)"),
         (LATE, [2], "line 24: step"),
-        (SKELETON, [0, 1, 2], "no number of the table has changed"),
+        (SKELETON, [0, 1, 2], "the table has not changed yet"),
         (RIGHT.replace("range(400)", "range(299)"), [4], ""),
         (RIGHT.replace("alpha * (", "alhpa * ("), [0, 1, 2, 3, 4], "line 24: NameError"),
         (RIGHT.replace("while not over:", "while not over"), [0, 1, 2, 3, 4], "my_agent.py, line 20"),
@@ -104,8 +104,6 @@ class News:
 
 
 class Watcher:
-    """A judge of a paused run."""
-
     def __init__(self) -> None:
         self.news = News()
         self.judge = TaskJudge(self.news, automatic=True)

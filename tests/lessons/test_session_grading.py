@@ -1,4 +1,4 @@
-"""Grading sessions by a lesson: only the replayed runs count, not the claims in the file."""
+"""Grading sessions by a lesson: only the replayed runs count."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 from lesson_sessions import TEXT, all_done, digest_at, entries, guess, lesson, run_of, setup, taken, write
+from shipped import shipped_lessons
 
 from rl_tui.common.errors import UserError
-from rl_tui.lessons.catalogue import shipped_lessons
 from rl_tui.lessons.file.view import Given, LessonRecord, Passed, begun
 from rl_tui.lessons.judging.seed_panel import passes
 from rl_tui.lessons.lesson import Lesson, read_lesson
@@ -103,7 +103,7 @@ def test_a_run_whose_world_was_drawn_in_does_nothing_for_a_lesson(
     graded = grading.grade(write(tmp_path, "a.json", BEGUN, run_of(LAKE, 60, entries((5, DRAWN)))))
     assert passed(graded) == []
     assert graded.remarks == (
-        "branch 1 cannot be replayed: the world was changed, but a task of a lesson needs its own world",
+        "branch 1 cannot be replayed: the world was changed, but this task needs the world of the lesson",
     )
     assert passed(grading.grade(write(tmp_path, "b.json", BEGUN, run_of(LAKE, 60)))) == ["lake"]
 
@@ -173,7 +173,7 @@ def test_only_so_many_settings_are_worked_out_under_many_seeds(tmp_path: Path) -
     )
     path = write(tmp_path, "a.json", None, RunRecord(LAKE, tried))
     remarks = LessonGrading(str(tmp_path / "evening.toml")).grade(path).remarks
-    assert remarks == ("Only the first 30 settings were tried under many seeds: there are more.",)
+    assert remarks == ("Only the first 30 settings were tried under many seeds. The session has more.",)
     path = write(tmp_path, "b.json", None, RunRecord(LAKE, tried[:20]))
     assert LessonGrading(str(tmp_path / "evening.toml")).grade(path).remarks == ()
 
@@ -182,7 +182,7 @@ def test_not_every_branch_without_end_has_a_remark(grading: LessonGrading, tmp_p
     endless = tuple(Branch(f"branch {n}", (), None, 0, 10**15, 10**15) for n in range(40))
     remarks = grading.grade(write(tmp_path, "a.json", None, RunRecord(LAKE, endless))).remarks
     assert len(remarks) == 11
-    assert remarks[-1] == "So were 30 more."
+    assert remarks[-1] == "30 more remarks are not shown."
 
 
 def locked(grading: LessonGrading, folder: Path, given: Given, *runs: RunRecord) -> int:

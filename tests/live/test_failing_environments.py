@@ -1,4 +1,4 @@
-"""Environments that fail, hang or are slow: everything before is kept, and you can go back to it."""
+"""Environments that fail, hang or are slow."""
 
 from __future__ import annotations
 
@@ -85,7 +85,6 @@ def playback_of(recipe: Recipe, speed: float | None = None) -> Playback:
 
 
 def work_off(playback: Playback) -> Snapshot:
-    """Let it work until it is idle, which is soon here."""
     for _ in range(1_000):
         if not busy(playback) and playback.phase is not Phase.RUNNING:
             return playback.snapshot()
@@ -159,7 +158,7 @@ def test_what_cannot_be_made_again_stays_where_it_is(willing: type[Willing]) -> 
     refused = do(playback, StepBack())
     assert refused.counters.step == stopped.counters.step == 7
     assert refused.agent.q.tolist() == stopped.agent.q.tolist()
-    assert "Willing-v0 cannot be made: " in refused.playback.message + refused.playback.paused_by
+    assert "Willing-v0 cannot be created here" in refused.playback.message + refused.playback.paused_by
     assert "OSError: no more of these" in refused.playback.message + refused.playback.paused_by
     assert refused.playback.phase is Phase.STOPPED
     assert playback.table is not None

@@ -1,4 +1,4 @@
-"""The memory of the past (checkpoints and cell history): true, and limited in size."""
+"""The memory of the past is true, and limited in size."""
 
 from __future__ import annotations
 
@@ -75,3 +75,16 @@ def test_passing_by_the_same_moments_again_and_again_keeps_no_more_of_them() -> 
     for _ in range(10):
         do(playback, GoTo(0), Train(500))
     assert kept.spacing == spacing
+
+
+def test_the_error_of_v_is_known_where_actions_are_no_choice() -> None:
+    playback = begin(recipe("random-walk"))
+    shown = do(playback, Train(1_000))
+    exact, errors = shown.exact_answer.solution, shown.value_errors
+    assert exact is not None
+    assert errors is not None
+    assert errors.error[-1] == np.sqrt(np.mean((shown.agent.q - exact.q) ** 2))
+    past = do(playback, GoTo(0)).value_errors
+    assert past is not None
+    assert past.error.tolist() == errors.error[:1].tolist()
+    assert do(begin(recipe("frozenlake")), Train(10)).value_errors is None

@@ -1,4 +1,4 @@
-"""Manipulated session files: each gives one short line, whatever its content."""
+"""Manipulated session files: each gives one short line."""
 
 # ruff: noqa: E501
 
@@ -18,7 +18,6 @@ from rl_tui.live.sessions.session import SessionError, read_session
 
 
 def changed(place: str = "", value: Any = None) -> str:
-    """A valid session, signed again after ``value`` was set at ``place``."""
     fields = json.loads(session_seeds()[0])
     holder: Any = fields
     *way, last = [int(step) if step.isdigit() else step for step in place.split(".")]
@@ -60,7 +59,7 @@ REFUSED = {
     "shared changes": (lambda: changed(f"{BRANCH}.shared", 200_000), "shared is 200000"),
     "its own parent": (lambda: changed(f"{BRANCH}.parent", 0), "parent"),
     "no such branch": (lambda: changed(f"{LANE}.branch", 7), "no branch 7"),
-    "no such lane": (lambda: changed("shown", 10**18), "no lane"),
+    "no such lane": (lambda: changed("shown", 10**18), "no run"),
     "a fork beyond the end": (lambda: changed(f"{BRANCH}.fork", 10**9), "after the last step"),
     "no speed": (lambda: changed("speed", math.inf), "damaged"),
     "a truth value": (lambda: changed("shown", False), "integer"),
@@ -74,7 +73,7 @@ REFUSED = {
     "10^9 arms": (lambda: changed("scenario.text", "[bandit]\narms = 1_000_000_000"), "10,000"),
     "a time before all": (lambda: changed("saved", "0001-01-01T00:00:00+23:59"), "expected a time"),
     "a time after all": (lambda: changed("saved", "9999-12-31T23:59:59-23:59"), "expected a time"),
-    "a module": (lambda: changed("scenario", {"id": "gym:os:X-v0", "kind": "gymnasium", "title": "t", "text": ""}), "without a module"),
+    "a module": (lambda: changed("scenario", {"id": "gym:os:X-v0", "kind": "gymnasium", "title": "t", "text": ""}), "names a module, which is not imported"),
     "nested lists": (lambda: signed({**SOUND, "more": json.loads("[" * 900 + "]" * 900)}), "more"),
     "brackets": (lambda: '{"format": "rl-tui session", "x": ' + "[" * 1_000_000, "incomplete or damaged"),
     "a number too long to read": (lambda: changed().replace('"shown": 0', '"shown": ' + "1" * 5_000), "damaged"),
@@ -83,7 +82,7 @@ REFUSED = {
     "a byte order mark": (lambda: "\ufeff" + changed(), "damaged"),
     "a null character": (lambda: changed() + "\0", "damaged"),
     "a list": (lambda: "[" + changed() + "]", "not a session"),
-    "a table of fewer visits": (lambda: changed("table", {**TABLE, "visits": [0] * 4}), "Q of 5 pairs, but visits of 4"),
+    "a table of fewer visits": (lambda: changed("table", {**TABLE, "visits": [0] * 4}), "Q has 5 pairs, but visits has 4"),
     "a table of too many pairs": (lambda: changed("table", {**TABLE, "q": [0.0] * 2_501}), "at most 2500"),
     "a table of words": (lambda: changed("table", {**TABLE, "q": ["nan"] * 5}), "table.q[0]"),
     "a table of no numbers": (lambda: changed("table", {**TABLE, "q": [math.nan] * 5}), "damaged"),

@@ -1,4 +1,4 @@
-"""A person's pins on states and actions stay with them through every change of the world."""
+"""Pins stay through every change of the world."""
 
 from __future__ import annotations
 
@@ -62,7 +62,6 @@ def pair_at(shown: Snapshot, row: int, column: int, action: int = DOWN) -> int:
 
 
 def pinned(playback: Playback, row: int, column: int) -> Snapshot:
-    """Pin a cell and an action: breakpoints on both, the choice of that action, and its history."""
     shown = playback.snapshot()
     state, pair = state_at(shown, row, column), pair_at(shown, row, column)
     return do(
@@ -171,6 +170,12 @@ def test_a_breakpoint_on_what_no_world_of_the_session_has_is_refused(tmp_path: P
         begin(record.lanes[0].recipe, record)
 
 
+@pytest.fixture
+def steps_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rl_tui.live.pace.transport.PIECE", 1)
+
+
+@pytest.mark.usefixtures("steps_one_by_one")
 def test_what_a_run_waits_for_goes_with_its_cell_too() -> None:
     playback = begin(small_map())
     do(playback, Train(40), GoTo(3), draw("rows=+1@0"), Train(40), GoTo(0))
@@ -181,6 +186,7 @@ def test_what_a_run_waits_for_goes_with_its_cell_too() -> None:
     assert shown.agent.q[moved] >= 0.8
 
 
+@pytest.mark.usefixtures("steps_one_by_one")
 def test_a_run_does_not_wait_for_what_is_gone() -> None:
     playback = begin(small_map())
     do(playback, Train(40), GoTo(3), draw("cell[1,2]=#"), Train(40), GoTo(0))
@@ -221,6 +227,7 @@ def test_what_is_optimal_is_asked_of_the_world_in_force() -> None:
         assert solution.best[mdp.pairs_of(state)[0] + own.argmax()]
 
 
+@pytest.mark.usefixtures("steps_one_by_one")
 def test_a_policy_that_an_edit_makes_optimal_as_it_is_is_noticed() -> None:
     path = Path("arms.toml")
     scenario = scenario_of("[bandit]\nmeans = [0.5, 1.0]\nstd = 0.0\nbudget = 400\n", path)

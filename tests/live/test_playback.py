@@ -7,7 +7,19 @@ from playing import busy
 from recipes import bandit, recipe, replay
 
 from rl_tui.live import commands
-from rl_tui.live.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.live.commands import (
+    Apply,
+    Command,
+    LetPass,
+    Pause,
+    Play,
+    Restart,
+    RunEpisode,
+    SetSpeed,
+    Step,
+    Train,
+    WatchLearning,
+)
 from rl_tui.live.handlers import HANDLERS
 from rl_tui.live.pace.pacing import FIRST_CHUNK
 from rl_tui.live.playback import Playback
@@ -17,8 +29,6 @@ from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter
 
 
 class Clock:
-    """A clock that only moves when told."""
-
     def __init__(self) -> None:
         self.now = 100.0
 
@@ -182,6 +192,41 @@ def test_by_hand_play_takes_no_step_and_speed_stays_unknown() -> None:
     assert busy(playback)
     settle(playback)
     assert playback.snapshot().playback.phase is Phase.PAUSED
+
+
+def played(*commands_: Command) -> Playback:
+    playback = ready(recipe("frozenlake"), automatic=False)
+    for command in commands_:
+        assert playback.takes(command)
+        playback.handle(command)
+        settle(playback)
+    return playback
+
+
+@pytest.mark.parametrize(("speed", "steps"), [(3.0, 6), (10.0, 20), (1_000.0, 2_000), (None, 200_000)])
+def test_by_hand_time_passes_on_request_and_only_for_a_run_that_is_running(
+    speed: float | None, steps: int
+) -> None:
+    begin = SetSpeed(speed), Play()
+    whole, pieces = played(*begin, LetPass(120)), played(*begin, *[LetPass(4)] * 30)
+    assert whole.snapshot().counters.step == pieces.snapshot().counters.step == steps
+    assert whole.snapshot().playback.phase is Phase.RUNNING
+    still = played(SetSpeed(speed), LetPass(120), *begin, Pause(), LetPass(120))
+    assert still.snapshot().counters.step == 0
+    assert played(*begin, LetPass(60), Pause(), Play(), LetPass(60)).snapshot().counters.step == steps
+
+
+def test_by_hand_a_run_that_follows_learning_does_not_depend_on_the_pieces_and_pictures_of_its_time() -> None:
+    whole, pieces = played(WatchLearning(), LetPass(300)), played(WatchLearning())
+    for _ in range(75):
+        pieces.handle(LetPass(4))
+        settle(pieces)
+        shown = pieces.snapshot()
+    assert (shown.counters.step, shown.playback.speed) == (
+        whole.snapshot().counters.step,
+        whole.snapshot().playback.speed,
+    )
+    assert shown.agent.q.any()
 
 
 def test_changes_are_journalled_at_the_step_they_came() -> None:

@@ -1,4 +1,4 @@
-"""Session files: saved content loads unchanged, and any other file is refused in one line."""
+"""Session files load unchanged or are refused."""
 
 from __future__ import annotations
 
@@ -55,7 +55,6 @@ def same_scenario(record: Record, like: Record) -> Record:
 
 
 def rewritten(path: Path, **changes: Any) -> None:
-    """Change fields of a valid file, and update its checksum."""
     fields = json.loads(encoded(SOUND))
     del fields["checksum"]
     fields.update(changes)
@@ -73,7 +72,6 @@ def branch(**changes: Any) -> list[Any]:
 
 
 def fault(path: Path) -> str:
-    """The one-line error for a file that cannot be resumed."""
     before = path.read_bytes() if path.is_file() else b""
     with pytest.raises(SessionError) as refused:
         read_session(path).record()
@@ -182,8 +180,8 @@ def test_the_algorithm_is_the_one_in_force_where_it_stands(tmp_path: Path) -> No
         (b"", "is empty"),
         (b"hello", "is not JSON"),
         (b"\xff\xfe", "is not JSON"),
-        (b"[1, 2]", "is not a session of rl-tui"),
-        (b'{"format": "something else"}', "is not a session of rl-tui"),
+        (b"[1, 2]", "is not a session; choose a file that rl-tui saved"),
+        (b'{"format": "something else"}', "is not a session; choose a file that rl-tui saved"),
         (b"{" * 100_000, "is not JSON"),
         (b'{"a": NaN}', "is not JSON"),
         (b'{"format": "rl-tui session", "version": 3}', "newer rl-tui (file format 3, not 2); update"),
@@ -237,7 +235,7 @@ def test_an_edited_file_is_told(tmp_path: Path) -> None:
     ("changes", "line"),
     [
         ({"colour": "red"}, "colour"),
-        ({"shown": 1}, "there is no lane 1"),
+        ({"shown": 1}, "there is no run 1"),
         ({"lanes": []}, "lanes"),
         ({"lanes": lane() * 5}, "lanes"),
         ({"lanes": lane(seed=-1)}, "lanes[0].seed"),

@@ -1,4 +1,4 @@
-"""Runs in stepped environments: known facts, unknown facts, and many runs at once."""
+"""Runs in stepped environments."""
 
 from __future__ import annotations
 
@@ -91,13 +91,11 @@ def test_it_cannot_be_wound_back():
 
 
 def test_a_planner_is_refused_in_one_line():
-    with pytest.raises(UserError, match="this environment has none: take an algorithm that learns"):
+    with pytest.raises(UserError, match="this environment has none: choose an algorithm that learns"):
         Run(blackjack(algorithm="value-iteration"))
 
 
 class Breaking(gymnasium.Env[int, int]):
-    """Fails in its seventh step."""
-
     observation_space = action_space = gymnasium.spaces.Discrete(2)
 
     def reset(self, *, seed=None, options=None):
@@ -146,10 +144,13 @@ def test_an_environment_made_by_hand_has_its_notes_and_the_usual_defaults():
     ("name", "message"),
     [
         ("gym:frozenlake-v1", r'gym:frozenlake-v1: .* \(did you mean "FrozenLake-v1"\?\)'),
-        ("gym:CartPole-v1", r"gym:CartPole-v1: .* expected \[gymnasium.bins\] in a scenario file"),
-        ("gym:Pendulum-v1", r"gym:Pendulum-v1: .*whose actions are Box; expected discrete actions"),
+        ("gym:CartPole-v1", r"gym:CartPole-v1: .*; write a scenario file with \[gymnasium.bins\]"),
+        (
+            "gym:Pendulum-v1",
+            r"gym:Pendulum-v1: the actions of Pendulum-v1 are Box; choose one with discrete actions",
+        ),
         ("gym:ALE/Pong-v5", r"gym:ALE/Pong-v5: .* the id of a registered environment"),
-        ("gym:os:FrozenLake-v1", "without a module to import"),
+        ("gym:os:FrozenLake-v1", "names a module, which is not imported"),
         ("gym:", 'gym:: found ""; expected the id'),
         ("gym:x\x1b[2J", r"gym:x\\u001b\[2J: found one line|gym:x\\u001b\[2J: found"),
     ],
@@ -179,7 +180,6 @@ def test_shipped_scenarios(name, states, pairs, time_limit):
 
 
 def test_the_table_of_blackjack_is_nearly_learned():
-    """Its own defaults with fewer games: the greedy policy loses little compared with the optimum."""
     figures = figures_of(replace(recipe("blackjack-table")), Goal(episodes=300_000))
     assert figures["optimal_value_at_start"] == pytest.approx(-0.043113, abs=1e-6)
     assert figures["value_at_start"] > -0.06

@@ -1,4 +1,4 @@
-"""NumPy agents that learn in random worlds and leave a recording, without a process."""
+"""NumPy agents that leave a recording."""
 
 from __future__ import annotations
 
@@ -38,7 +38,6 @@ class Made:
     evaluates_every: int = 0
 
     def recording(self, steps: int) -> Recording:
-        """Return the recording of the agent over some steps."""
         rng = np.random.default_rng(self.seed)
         successors = rng.integers(0, self.states, (self.states, self.actions, 3))
         rewards = -np.ones(self.states) if self.minus_one else rng.normal(size=self.states).round(2)
@@ -57,14 +56,15 @@ class Made:
         def chosen(state: int) -> int:
             if rng.random() < self.epsilon:
                 return int(rng.integers(self.actions))
-            return int(rng.choice(np.flatnonzero(q[state] == q[state].max())))
+            row = q[state].tolist()
+            best = [action for action, value in enumerate(row) if value == max(row)]
+            return best[rng.integers(len(best))]
 
         def update(step: int, s: int, a: int, r: float, s2: int, a2: int, ended: bool) -> None:
             visits[s, a] += 1
-            best, mean = q[s2].max(), q[s2].mean()
-            value = {"q": best, "sarsa": q[s2, a2]}.get(
-                self.rule, (1 - self.epsilon) * best + self.epsilon * mean
-            )
+            value = q[s2, a2] if self.rule == "sarsa" else q[s2].max()
+            if self.rule == "expected":
+                value = (1 - self.epsilon) * value + self.epsilon * q[s2].mean()
             if ended and not self.bootstraps_after_end:
                 value = 0.0
             if self.own_reward:
@@ -80,7 +80,7 @@ class Made:
             learns = not self.evaluates_every or (episode + 1) % self.evaluates_every > 0
             waiting: tuple[int, int, float] | None = None
             while not ended and place < self.time_limit and len(rows) < steps:
-                s2 = int(rng.choice(successors[state, action]))
+                s2 = int(successors[state, action, rng.integers(3)])
                 reward, ended = float(rewards[s2]), s2 == self.states - 1
                 cut = not ended and place + 1 == self.time_limit
                 rows.append((0, state, action, reward, s2, ended + 2 * cut, episode, place))
@@ -108,7 +108,7 @@ class Made:
 
 
 def sent(recording: Recording) -> tuple[FloatArray, FloatArray]:
-    """Return the steps, [n, 8], and changes, [m, 4], of ``recording`` in their pipe format."""
+    """Return the steps, [n, 8], and changes, [m, 4], in their pipe format."""
     steps, changes = recording.steps, recording.changes
     flags = steps.terminated * StepFlag.TERMINATED + steps.truncated * StepFlag.TRUNCATED
     rows = np.column_stack((*steps[:5], flags, steps.episode, steps.episode_step))

@@ -1,9 +1,9 @@
-"""Recordings without a real program: a learner in a small random world, step by step."""
+"""Recordings without a real program."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,8 +16,6 @@ STATES, ACTIONS, LIMIT = 6, 3, 12
 
 @dataclass
 class Step:
-    """A step as reported to a learner."""
-
     state: int
     action: int
     reward: float
@@ -46,8 +44,13 @@ def recorded(
     dtype: str = "float64",
     greedy: float = 0.0,
     rewards: tuple[float, ...] = (-1.0, 0.0, 0.0, 1.0, 2.0),
+    is_pair: bool = False,
+    is_slippery: bool = True,
 ) -> ProgramLog:
-    """Return the messages of a program that learns by ``learner`` and acts greedily with a given chance."""
+    """Return the messages of a program that learns by ``learner``.
+
+    With ``is_pair``, the learner changes two tables, [2, S, A], whose mean is the table of the recording.
+    """
     rng = np.random.default_rng(seed)
     next_state = rng.integers(0, STATES, (STATES, ACTIONS, 2))
     reward = rng.choice(rewards, (STATES, ACTIONS, 2))
@@ -57,42 +60,44 @@ def recorded(
         "zeros": np.zeros((STATES, ACTIONS)),
         "high": np.full((STATES, ACTIONS), 5.0),
     }[initial].astype(dtype)
-    log = ProgramLog(table=FoundTable("Q", "array", table.shape, dtype))
+    log = ProgramLog(table=FoundTable("Q1" if is_pair else "Q", "array", table.shape, dtype))
     log.recording.find_table(0, ACTIONS, table.astype(np.float64).ravel())
+    tables = np.stack([table, table]) if is_pair else table[None]
+    if is_pair:
+        log.table = replace(log.table, other="Q2")
+        log.recording.find_pair(0, tables.flatten())
 
     rows: list[list[float]] = []
     changes: list[tuple[float, float, float, float]] = []
 
     def chosen(state: int) -> int:
-        return int(table[state].argmax()) if rng.random() < greedy else int(rng.integers(ACTIONS))
+        if rng.random() < greedy:
+            return int((tables[:, state].mean(0) if is_pair else tables[0, state]).argmax())
+        return int(rng.integers(ACTIONS))
 
+    def values() -> list[float]:
+        return (tables.mean(0).ravel().tolist() if is_pair else []) + tables.ravel().tolist()
+
+    shown = values()
     state, action, place, episode, before = 0, chosen(0), 0, 0, 0.0
     for number in range(steps):
-        which = int(rng.integers(2))
+        which = int(rng.integers(2)) if is_slippery else 0
         following = int(next_state[state, action, which])
         got = float(reward[state, action, which])
         terminated = bool(ends[state, action, which])
         truncated = place == LIMIT - 1
         next_action = chosen(following)
-        step = Step(
-            state,
-            action,
-            got,
-            following,
-            terminated,
-            truncated,
-            next_action,
-            before,
-            place == 0,
-            number,
-            episode,
-        )
-        old = table.copy()
-        learner(table, step)
+        ended, first = (terminated, truncated), place == 0
+        step = Step(state, action, got, following, *ended, next_action, before, first, number, episode)
+        learner(tables if is_pair else tables[0], step)
         flags = StepFlag.TERMINATED * terminated | StepFlag.TRUNCATED * truncated
-        row = [0.0, state, action, got, following, flags, episode, place]
-        rows.append(row)
-        changes += [(number, cell, old.flat[cell], table.flat[cell]) for cell in np.flatnonzero(old != table)]
+        rows.append([0.0, state, action, got, following, flags, episode, place])
+        old, shown = shown, values()
+        changes += [
+            (number, cell, was, now)
+            for cell, (was, now) in enumerate(zip(old, shown, strict=True))
+            if was != now
+        ]
         before, place = got, place + 1
         state, action = following, next_action
         if terminated or truncated:

@@ -1,4 +1,4 @@
-"""The arguments of an agent, matched by the names of its parameters."""
+"""The arguments of an agent, matched by name."""
 
 from __future__ import annotations
 
@@ -84,7 +84,9 @@ def test_what_a_base_class_is_handed_on() -> None:
 def test_all_that_cannot_be_bound_is_named_with_the_shapes() -> None:
     def constructor(colour: str, env: Any, taste: float, smell: str = "of roses") -> None: ...
 
-    with pytest.raises(UserError, match=r"Agent\.__init__: .*colour, taste.*gymnasium: get_action") as raised:
+    with pytest.raises(
+        UserError, match=r"Agent\.__init__: .*colour, taste.*gymnasium has get_action"
+    ) as raised:
         made(constructor)
     assert "smell" not in str(raised.value)
     assert "\n" not in str(raised.value)

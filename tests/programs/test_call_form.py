@@ -1,4 +1,4 @@
-"""The form in which a call expects its result, as the running version of Python places calls."""
+"""The form in which a call expects its result."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ FIVE = (3, 1.0, False, True, {"a": 1})
 
 
 def caller() -> FrameType:
-    """Return the frame that called the function that calls this one."""
     frame = inspect.currentframe()
     assert frame is not None
     assert frame.f_back is not None
@@ -33,8 +32,6 @@ def caller() -> FrameType:
 
 
 class Recording:
-    """An environment that notes the form of each call."""
-
     def __init__(self) -> None:
         self.forms: list[CallForm] = []
         self.unwrapped = self
@@ -103,8 +100,6 @@ def test_most_calls_of_a_file_decide_the_others(text: str, values: int) -> None:
 
 
 def answered(text: str, observation: Any = 3) -> Any:
-    """Return ``result`` after ``text``, in which ``step`` and ``reset`` answer as the old Gym's."""
-
     class Env:
         def step(self, *_: Any) -> Any:
             return step_result(caller(), FIVE)
@@ -130,6 +125,10 @@ def answered(text: str, observation: Any = 3) -> Any:
         ("result = env.reset()[0]", 3),
         ("a, b, c, d, e = env.step(0); result = env.reset()", (3, {})),
         ("a, b, c, d, e = env.step(0); s, i = env.reset(); result = s", 3),
+        ("s = result = env.reset(); s, r, c, d, e = env.step(0)", (3, {})),
+        ("s = env.reset(); result = s; s, r, c, d, e = env.step(0)", 3),
+        ("s = env.reset(); result = s; s2, r, c, d, e = env.step(0); s = s2", 3),
+        ("s = env.reset(); result = s; s2, r, c, d, e = env.step(0); s = s[0]", (3, {})),
     ],
 )
 def test_each_call_gets_the_form_it_is_written_for(text: str, result: Any) -> None:

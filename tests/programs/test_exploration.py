@@ -1,15 +1,16 @@
-"""ε as used: an estimate with its interval, never a finding."""
+"""ε as used."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import pytest
-from correct_learners import q_learning
+from correct_learners import only_if, q_learning, with_alpha
 from made_recordings import recorded
 
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
 from rl_tui.programs.diagnosis.exploration import exploration_of
+from rl_tui.programs.diagnosis.update_rule import update_of
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import ExplorationFound, UpdateFound, UpdateTarget
 from rl_tui.programs.watched.program_log import ProgramLog
@@ -18,12 +19,13 @@ from rl_tui.screen.theme.glyphs import UNICODE
 
 
 def acting(epsilon: float, seed: int = 0, steps: int = 3000) -> ProgramLog:
-    """Return a program that takes a random action with the probability ``epsilon``, and says .05."""
+    """Return a program that explores with the probability ``epsilon``, and says .05."""
     log = recorded(q_learning, seed, steps=steps, greedy=1.0 - epsilon)
     log.numbers["agent.epsilon"] = 0.05
     return log
 
 
+@pytest.mark.exhaustive("watches twenty programs for each", but=["0.0", "0.3"])
 @pytest.mark.parametrize("epsilon", [0.0, 0.05, 0.3, 0.95, 1.0])
 def test_the_interval_holds_the_epsilon_in_use(epsilon: float) -> None:
     hits = 0
@@ -37,6 +39,31 @@ def test_the_interval_holds_the_epsilon_in_use(epsilon: float) -> None:
         assert found.departs == (not found.low <= 0.05 <= found.high)
         hits += found.low <= epsilon <= found.high
     assert hits >= 17
+
+
+@pytest.mark.exhaustive("watches twenty programs for each", but=["0.1"])
+@pytest.mark.parametrize("epsilon", [0.05, 0.1, 0.3])
+def test_greedy_episodes_of_a_converged_table_count(epsilon: float) -> None:
+    hits = 0
+    for seed in range(20):
+        learner = with_alpha(lambda _: 0.5)
+        log = recorded(learner, seed, steps=8000, greedy=1.0 - epsilon, is_slippery=False)
+        evidence = Evidence(log.recording)
+        update = update_of(evidence, {})
+        found = exploration_of(evidence, update, {})
+        assert found is not None
+        hits += found.low <= epsilon <= found.high
+    assert hits >= 17
+
+
+def test_evaluations_do_not_count() -> None:
+    log = recorded(only_if(lambda step: step.episode % 2 == 0), steps=3000, greedy=0.7)
+    evidence = Evidence(log.recording)
+    found = exploration_of(evidence, update_of(evidence, {}), {})
+    whole = exploration_of(evidence, replace(update_of(evidence, {}), alpha=None, alpha_schedule=None), {})
+    assert found is not None
+    assert found.low <= 0.3 <= found.high
+    assert whole is None  # an evaluation looks like a converged episode
 
 
 def test_few_choices_and_allowed_actions_give_no_estimate() -> None:

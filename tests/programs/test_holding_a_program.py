@@ -1,4 +1,4 @@
-"""A program that is released and held again at once stops, and then takes only permitted steps."""
+"""A program that is released and held again at once stops."""
 
 from __future__ import annotations
 
@@ -29,7 +29,6 @@ def program(tmp_path: Path) -> Iterator[WatchedProgram]:
 
 
 def settle(program: WatchedProgram) -> int:
-    """Wait until ``program`` rests, and return its number of steps."""
     deadline = time.monotonic() + PATIENCE
     while not program.is_settled:
         assert time.monotonic() < deadline, program.log.waiting_at
@@ -65,6 +64,6 @@ def test_what_it_met_before_it_heard_otherwise_does_not_hold_it(program: Watched
         program.stop_at({})
         assert settle(program) in range(here + 1, here + 51)
         if program.stopped_by is not None:
-            program.go_on()
+            program.let(here + 50)
             settle(program)
         assert program.log.recording.count == here + 50

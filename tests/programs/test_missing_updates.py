@@ -1,4 +1,4 @@
-"""Findings about updates that are missing, not reached, or without the next state."""
+"""Missing and incomplete updates."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from correct_learners import ALPHA, moved, q_learning
 from made_recordings import Learner, Step, recorded
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.live.program_run import found_of
 from rl_tui.programs.diagnosis.diagnosis import MOVES_WITHOUT_GAMMA, notes_on, verdict_of
+from rl_tui.programs.diagnosis.program_learner import found_of
 from rl_tui.programs.evidence.code_places import program_code
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault, UpdateFound
@@ -38,17 +38,14 @@ def nothing(table: FloatArray, step: Step) -> None:
 
 
 def without_next(table: FloatArray, step: Step) -> None:
-    """Leaves the next state out."""
     moved(table, step, step.reward)
 
 
 def after_moving(table: FloatArray, step: Step) -> None:
-    """Updates the row of the next state."""
     table[step.next_state, step.action] += ALPHA * step.reward
 
 
 def agent(folder: Path, body: str) -> ProgramLog:
-    """Return the messages of an agent that never learned, with ``body`` as its update."""
     file = folder / "mine.py"
     file.write_text(
         "import numpy as np\nclass Agent:\n    def value(self, s):\n        return max(self.q[s])\n"
@@ -109,7 +106,7 @@ def test_a_discount_that_moves_nothing_is_told(rewards: tuple[float, ...], by_co
     evidence, numbers = Evidence(log.recording), {"agent.gamma": 0.95, "alpha": ALPHA}
     [note, *_] = notes_on(evidence, UpdateFound(gamma=0.0), "float64", numbers)
     assert f"{MOVES_WITHOUT_GAMMA}, but `agent.gamma` in your code is 0.95" in note
-    assert ("max(Q[:, a])" in note) == by_column
+    assert ("state. A maximum over states instead of actions, as in max(Q[:, a])" in note) == by_column
     for without in ({}, {"gamma": 0.0}):
         assert not any(
             MOVES_WITHOUT_GAMMA in each for each in notes_on(evidence, UpdateFound(gamma=0.0), "", without)
@@ -134,7 +131,7 @@ def test_a_few_steps_that_move_the_next_state_are_a_note(learner: Learner) -> No
     verdict, steps = verdict_of(log), log.recording.steps
     assert verdict.findings == ()
     assert (
-        "Too few numbers of the table have changed yet: 2 steps changed one, after 2 rewards."
+        "Too few numbers of the table have changed so far: 2 steps changed one, after 2 rewards."
         in verdict.notes
     )
     told = [note for note in verdict.notes if "changed, not Q(s, a)" in note]

@@ -1,7 +1,8 @@
-"""Notebooks as scripts, and names that newer versions of libraries do not have."""
+"""Notebooks as scripts."""
 
 from __future__ import annotations
 
+import ast
 import json
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,12 @@ from watched_scripts import LOOP, lines_of, script_in, watched
 
 from rl_tui.common.errors import UserError
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.evidence.syntax import parsed_file
+from rl_tui.programs.watched.child.script import check_script
 from rl_tui.programs.watched.notebook import cell_of, place_in_words, read_notebook
 
 
 def notebook_in(folder: Path, *cells: str, indent: int | None = 1, **more: Any) -> Path:
-    """Write a notebook of ``cells``, code unless they begin with "text:"."""
     said = []
     for each in cells:
         kind = "markdown" if each.startswith("text:") else "code"
@@ -47,6 +49,13 @@ def test_a_notebook_in_one_line_is_read_too(tmp_path: Path) -> None:
     assert place_in_words(str(path), 3) == "cell 3, line 2"
 
 
+def test_a_notebook_with_large_outputs_is_parsed(tmp_path: Path) -> None:
+    path = notebook_in(tmp_path, "x = 1", metadata={"picture": "A" * 2_000_000})
+    tree = parsed_file(str(path))
+    assert tree is not None
+    assert [ast.unparse(each) for each in tree.body] == ["x = 1"]
+
+
 def test_an_old_notebook_has_sheets(tmp_path: Path) -> None:
     path = tmp_path / "old.ipynb"
     path.write_text(json.dumps({"worksheets": [{"cells": [{"cell_type": "code", "input": "x = 1\ny = 2"}]}]}))
@@ -74,7 +83,7 @@ def test_lines_that_are_not_python_are_left_out(cell: str, code: list[str], tmp_
 def test_what_is_not_a_notebook_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "no.ipynb"
     path.write_text(text)
-    with pytest.raises(UserError, match="expected a notebook"):
+    with pytest.raises(UserError, match="not a Jupyter notebook"):
         read_notebook(path)
 
 
@@ -85,6 +94,18 @@ def test_a_notebook_in_another_language_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.process
+def test_an_installation_without_a_sign_is_skipped(tmp_path: Path) -> None:
+    log = watched(notebook_in(tmp_path, "pip install some-package", "print(1)"))
+    assert (log.error, lines_of(log)) == (None, ["1"])
+    assert log.notes[0] == "1 line for notebooks only is skipped"
+
+
+def test_a_mistake_is_shown_as_the_cell_has_it(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r'cell 2, line 2: .*: "x = \(1"$'):
+        check_script(notebook_in(tmp_path, "text: A mistake", "y = 'a'\nx = (1\n"))
+
+
+@pytest.mark.process
 def test_a_notebook_is_watched(tmp_path: Path) -> None:
     imports, *loop = LOOP.format(episodes=300).split("env =")
     path = notebook_in(
@@ -92,7 +113,7 @@ def test_a_notebook_is_watched(tmp_path: Path) -> None:
     )
     log = watched(path)
     assert log.error is None
-    assert log.notes[0] == "2 lines of a notebook, with ! or %, are skipped"
+    assert log.notes[0] == "2 lines for notebooks only are skipped"
     update = verdict_of(log).update
     assert (update.alpha, update.gamma) == (pytest.approx(0.5), pytest.approx(0.9))
     assert cell_of(*log.called["step"]) == (3, 9)
@@ -165,3 +186,35 @@ def test_removed_names_work_and_are_noted(tmp_path: Path) -> None:
     }
     for name, (owner, now) in expected.items():
         assert f"{name} is not in this {owner}: {now} was used instead" in log.notes
+
+
+@pytest.mark.process
+def test_a_seed_of_another_type_is_read_as_text(tmp_path: Path) -> None:
+    text = (
+        "import random\nfor each in ((1, 2), '(1, 2)', 7):\n    random.seed(each); print(random.random())\n"
+    )
+    text += "    print(random.Random(each).random())\n"
+    log = watched(script_in(tmp_path, text))
+    (first, third, fifth), again = lines_of(log)[::2], lines_of(log)[1::2]
+    assert [first, third, fifth] == again
+    assert first == third != fifth
+    assert (
+        log.notes[0]
+        == "random accepts a tuple as seed only in older versions of Python: its text was used instead"
+    )
+
+
+@pytest.mark.process
+def test_an_array_of_one_number_converts_as_before(tmp_path: Path) -> None:
+    text = """\
+    import numpy as np
+    print(int(np.random.randint(low=3, high=4, size=1)), float(np.full(1, 2.5)), int(np.minimum(4, 7)))
+    print(int("11", base=2), int(str("12")), int(np.array([5])[0]))
+    int(np.full(2, 1))
+    """
+    log = watched(script_in(tmp_path, text))
+    assert lines_of(log) == ["3 2.5 4", "3 12 5"]
+    assert (log.error.type, log.error.line) == ("TypeError", 4)
+    assert log.notes == [
+        "this version of NumPy does not turn an array into a number: its only entry was used instead"
+    ]

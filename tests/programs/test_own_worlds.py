@@ -1,4 +1,4 @@
-"""Worlds of a program's own: classes with reset and step, and tables of many shapes."""
+"""Classes with reset and step, and tables of many shapes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from corpus import CORRECT, FAULTY, expected
-from watched_scripts import lines_of, script_in, watched
+from watched_scripts import check_q_learning, lines_of, script_in, watched
 
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
 from rl_tui.programs.grading.watch_report import watch_report
@@ -59,20 +59,10 @@ def learning(table: str, row2: str, cell: str) -> str:
     return LEARNING.format(table=table, row2=row2, cell=cell)
 
 
-def check_q_learning(log: ProgramLog, table: str | None, form: str, states: int) -> None:
-    verdict = verdict_of(log)
-    assert (log.error, verdict.findings) == (None, ())
-    assert log.table is not None
-    assert (log.table.name, log.table.form) == (table, form)
-    report = watch_report("x", log, verdict)
+def check_field(log: ProgramLog, table: str | None, form: str, states: int) -> None:
+    check_q_learning(log, table, form, 0.25, 0.9)
+    report = watch_report("x", log, verdict_of(log))
     assert report["environment"] == {"id": "Field", "states": states, "actions": 4}
-    update = verdict.update
-    assert (update.rule, update.alpha, update.gamma, update.fits) == (
-        "q-learning",
-        pytest.approx(0.25),
-        pytest.approx(0.9),
-        1.0,
-    )
 
 
 @pytest.mark.parametrize(
@@ -97,7 +87,7 @@ def test_a_table_with_places_is_found_before_the_first_step(
 ) -> None:
     path = script_in(tmp_path, field(state) + learning(table, row2, cell))
     log = watched(path, steps=4000)
-    check_q_learning(log, "Q", form, 16)
+    check_field(log, "Q", form, 16)
     assert log.recording.found_at == 0
 
 
@@ -152,7 +142,7 @@ def test_a_table_with_keys_is_found_after_some_steps(
 ) -> None:
     path = script_in(tmp_path, field(state, actions) + learning(table, row2, cell))
     log = watched(path, steps=4000)
-    check_q_learning(log, "Q", form, 16 - 2 + 2)
+    check_field(log, "Q", form, 16 - 2 + 2)
 
 
 def test_names_are_those_of_the_program(tmp_path: Path) -> None:
@@ -163,7 +153,7 @@ def test_names_are_those_of_the_program(tmp_path: Path) -> None:
     assert sorted(space.action_names) == ["down", "left", "right", "up"]
     assert list(space.state_names[:2]) == ["(0, 0)", "(0, 1)"]
     assert len(set(space.state_names)) == space.states < 65
-    assert (space.state_names[-2], space.state_names[-1]) == (f"state {space.states - 2}", "further states")
+    assert (space.state_names[-2], space.state_names[-1]) == (f"#{space.states - 2}", "further states")
 
 
 def test_actions_with_names_and_a_table_with_places_are_not_matched(tmp_path: Path) -> None:
@@ -175,7 +165,7 @@ def test_actions_with_names_and_a_table_with_places_are_not_matched(tmp_path: Pa
 @pytest.mark.parametrize("result", [f"{THREE}, {{}}", f"{THREE}, False, {{}}"], ids=["four", "five"])
 def test_more_values_may_come(result: str, tmp_path: Path) -> None:
     text = field(INT, NUMBERS, result) + learning("Q = np.zeros((16, 4))", "Q[s2]", "Q[s, a]")
-    check_q_learning(watched(script_in(tmp_path, text), steps=4000), "Q", "array", 16)
+    check_field(watched(script_in(tmp_path, text), steps=4000), "Q", "array", 16)
 
 
 LIMITED = (
@@ -211,7 +201,7 @@ def test_a_bug_at_an_end_of_its_own_is_still_found(tmp_path: Path) -> None:
     [
         ("0.5", "0.25", "its observations are numbers with fractions"),
         ("None", "1", "its reset() returns no state"),
-        ("self", "self", "an observation is of the type W"),
+        ("self", "self", "an observation has the type W"),
         ("[0] * 40", "[1] * 40", "an observation has 40 parts"),
     ],
 )
@@ -248,7 +238,7 @@ def test_a_world_with_more_states_than_expected_is_left(tmp_path: Path) -> None:
     """
     log = watched(script_in(tmp_path, text))
     assert log.recording.count == 16_383
-    assert "Line is not watched any more: more than 16,384 states were met" in log.notes
+    assert "Line is no longer watched: more than 16,384 states were seen" in log.notes
 
 
 def test_an_agent_is_not_a_world(tmp_path: Path) -> None:
@@ -268,7 +258,7 @@ agent = Agent()
             "random.choice(world.actions)", "agent.act(s)"
         )
     )
-    check_q_learning(watched(script_in(tmp_path, text), steps=4000), "Q", "array", 16)
+    check_field(watched(script_in(tmp_path, text), steps=4000), "Q", "array", 16)
 
 
 def test_a_copy_is_only_tried_out_and_an_inner_world_reports_alone(tmp_path: Path) -> None:
@@ -292,6 +282,92 @@ for _ in range(30):
     )
     log = watched(script_in(tmp_path, text))
     assert (log.error, log.recording.count, [each.id for each in log.environments]) == (None, 30, ["Field"])
+
+
+def test_a_step_may_have_any_name_if_it_is_given_an_action(tmp_path: Path) -> None:
+    text = field() + learning("Q = np.zeros((16, 4))", "Q[s2]", "Q[s, a]")
+    text = text.replace(
+        "def step(self, action):",
+        "def peek(self, action):\n        return action\n    def play(self, action):",
+    )
+    log = watched(script_in(tmp_path, text.replace("world.step(a)", "world.play(world.peek(a))")))
+    check_field(log, "Q", "array", 16)
+
+
+def test_nothing_is_said_of_a_method_that_is_no_step_after_all(tmp_path: Path) -> None:
+    text = """\
+    class Board:
+        def reset(self):
+            self.moves = []
+        def play(self, move):
+            self.moves.append(move)
+            return move, 1.0, len(self.moves) > 5
+    board = Board()
+    board.reset()
+    print(*(board.play(each)[2] for each in range(8)))
+    """
+    log = watched(script_in(tmp_path, text))
+    assert (log.error, log.recording.count, len(log.notes)) == (None, 0, 1)
+    assert log.notes[0].startswith("nothing to watch: ")
+
+
+LOOKS = """\
+import random, numpy as np
+class World:
+    def reset(self):
+        self.place = 0
+        return self.place
+    def look(self, action):
+        ahead = max(0, self.place + (1 if action else -1))
+        return ahead, float(ahead == 5), ahead == 5
+    def play(self, action):
+        ahead, reward, done = self.look(action)
+        {change}
+        return ahead, reward, done
+    {more}
+world = World()
+q = np.zeros((6, 2))
+for episode in range(200):
+    s, done = world.reset(), False
+    while not done:
+        a = random.randrange(2)
+        for each in range(2):
+            world.look(each)
+        n, r, done = world.{step}(a)
+        world.place = n
+        q[s, a] += 0.1 * (r + 0.9 * (0 if done else max(q[n])) - q[s, a])
+        s = n
+"""
+
+
+@pytest.mark.parametrize(
+    ("change", "step", "more", "world"),
+    [
+        ("self.place = ahead", "play", "", "World"),
+        ("self.place += ahead - self.place", "play", "", "World"),
+        ("self.seen, self.place = 1, ahead", "play", "", "World"),
+        ("self.at = [0]; self.at[0] = ahead", "play", "", "World"),
+        ("pass", "look", "", "world of q"),
+        ("other = World(); other.place = self.place", "look", "", "world of q"),
+        ("self.place = ahead", "play", "again = play", "world of q"),
+    ],
+)
+def test_a_method_with_another_name_is_the_step_if_only_it_changes_the_object(
+    change: str, step: str, more: str, world: str, tmp_path: Path
+) -> None:
+    text = LOOKS.replace("{change}", change).replace("{step}", step).replace("{more}", more)
+    log = watched(script_in(tmp_path, text), steps=1_500)
+    assert [each.id for each in log.environments] == [world]
+    check_q_learning(log, "q", "array", 0.1, 0.9)
+
+
+def test_a_list_of_actions_tells_a_table_from_one_with_actions_first(tmp_path: Path) -> None:
+    text = field(PAIR).replace("actions =", "action = ['n', 's', 'w', 'e']; actions =")
+    text = text.replace("(3, row)", "(4, row)") + learning(
+        "Q = np.zeros((4, 6, 5))", "Q[:, s2[0], s2[1]]", "Q[a][s]"
+    )
+    log = watched(script_in(tmp_path, text), steps=2_000)
+    assert (log.error, log.table, log.recording.count) == (None, None, 2_000)
 
 
 def test_a_short_program_is_seen_whole(tmp_path: Path) -> None:
@@ -340,9 +416,20 @@ def test_a_world_in_a_window_runs_without_one(tmp_path: Path) -> None:
     assert (log.error, lines_of(log)) == (None, ["learned"])
     assert log.recording.count >= 300
     assert "tkinter opens no window: rl-tui shows the world" in log.notes
-    assert "time.sleep() returns at once: the speed is set on screen" in log.notes
+    assert "time.sleep() returns at once: you set the speed on screen" in log.notes
     update = verdict_of(log).update
     assert (update.alpha, update.gamma) == (pytest.approx(0.5), pytest.approx(0.9))
+
+
+def test_places_in_a_window_are_plain_numbers(tmp_path: Path) -> None:
+    text = """\
+    import numpy as np, tkinter
+    canvas = tkinter.Canvas(tkinter.Tk())
+    item = canvas.create_oval(*(np.array([20, 20, 50, 50]) - 15))
+    canvas.move(item, np.int64(40), np.float64(0))
+    print(canvas.coords(item))
+    """
+    assert lines_of(watched(script_in(tmp_path, text))) == ["[45.0, 5.0, 75.0, 35.0]"]
 
 
 OWN = """\

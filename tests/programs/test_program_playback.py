@@ -1,13 +1,15 @@
-"""Playing a watched program: exact steps, its past, its end, its file, a built-in agent next to it."""
+"""Playing a watched program."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Container
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
+from playing import functions_in, functions_of
 from program_watching import LEARNS, Watcher, watched, written
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
@@ -17,6 +19,8 @@ from rl_tui.live.pace.until import Event, Until
 from rl_tui.live.program_playback import ProgramPlayback
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.state import State
+from rl_tui.programs.diagnosis import verdicts
+from rl_tui.programs.evidence.verdict import Rule
 from rl_tui.programs.watched.program_process import ProgramRequest
 from rl_tui.programs.watched.watched_program import WatchedProgram
 from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm
@@ -25,7 +29,6 @@ pytestmark = pytest.mark.process
 
 
 def figures(snapshot: Snapshot) -> tuple[object, ...]:
-    """Return the contents of a moment, without anything that depends on the program's progress."""
     counters, results, last = snapshot.counters, snapshot.results, snapshot.counters.last_step
     moved = None if last is None else (last.pair, last.next_state, last.reward)
     return (
@@ -56,6 +59,37 @@ def test_a_step_is_one_step_with_all_that_it_changed(tmp_path: Path) -> None:
     assert last.reward == 1.0
     assert (last.before, last.after) == (0.0, pytest.approx(0.1))
     assert rewarded.agent.q[last.updated_pair] == last.after
+
+
+def test_few_functions_run_from_a_step_to_its_snapshot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Lower this number when the way becomes shorter. The diagnosis does not count."""
+    with watched(written(tmp_path, episodes=2_000)) as watcher:
+        shown = watcher.do(commands.Train(2_000), commands.Step())
+        assert shown.program is not None
+        verdict = shown.program.verdict
+        assert verdict.update.rule is Rule.Q_LEARNING
+        monkeypatch.setattr(verdicts, "verdict_of", lambda _: verdict)
+        watcher.do(commands.Step())
+        assert min(len(functions_of(watcher.playback, commands.Step())) for _ in range(3)) <= 102
+
+
+def test_few_functions_run_for_a_step_as_on_screen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same with a look at the program's file, and the work at rest."""
+    with watched(written(tmp_path, episodes=2_000)) as watcher:
+        shown = watcher.do(commands.Train(2_000), commands.Step())
+        assert shown.program is not None
+        verdict = shown.program.verdict
+        monkeypatch.setattr(verdicts, "verdict_of", lambda _: verdict)
+        watcher.do(commands.Step())
+        watcher.playback.automatic = True
+        counts = []
+        for _ in range(3):
+            watcher.playback.work()
+            step = functions_of(watcher.playback, commands.Step())
+            counts.append(len(step | functions_in(watcher.playback.work)))
+        assert min(counts) <= 109
 
 
 def test_an_episode_ends_where_the_environment_ends_it(tmp_path: Path) -> None:
@@ -186,7 +220,7 @@ def test_a_program_that_breaks_down_stops_at_its_step(
 def test_without_an_environment_it_is_refused_in_a_sentence(tmp_path: Path) -> None:
     program = WatchedProgram(ProgramRequest(written(tmp_path, "print('hello')")))
     try:
-        with pytest.raises(UserError, match="without an environment"):
+        with pytest.raises(UserError, match="before rl-tui found an environment"):
             program.wait_for_environment()
     finally:
         program.end()
@@ -236,7 +270,7 @@ def test_lines_are_looked_at_again_once_something_is_found(tmp_path: Path) -> No
     text = LEARNS.replace("epsilon = 0.1,", "epsilon = 1.5,")
     with watched(written(tmp_path, text)) as watcher:
         found = watcher.do(commands.Train(2_000))
-        lines = watcher.playback.program.log.lines
+        lines = watcher.playback.lead.program.log.lines
         assert found.program.verdict.findings
         at_first = sum(lines.values())
         watcher.do(commands.Train(3_000))
@@ -341,27 +375,17 @@ for _ in range(400):
 
 def test_the_file_saved_again_starts_it_again_and_says_what_became_better(tmp_path: Path) -> None:
     slow = LEARNS.replace("alpha, gamma, epsilon = 0.1", "alpha, gamma, epsilon = 0.0")
-    path = written(tmp_path, slow)
-    clock = iter(range(10**9))
-    program = WatchedProgram(ProgramRequest(path))
-    program.wait_for_environment()
-    playback = ProgramPlayback(program, lambda: None, clock=lambda: next(clock) / 10)
-    try:
-        watcher = Watcher(playback)
-        playback.work()
-        playback.handle(commands.Train(1_500))
-        _until(watcher, lambda: playback.history.newest.step == 1_500)
-        path.write_text("this is no Python")
-        _until(watcher, lambda: "not restarted" in playback.restarts.words)
+    with closing(_Editor(tmp_path, slow)) as editor:
+        playback = editor.playback
+        editor.trained(1_500)
+        editor.path.write_text("this is no Python")
+        editor.until_it_says("not restarted")
         assert "line 1" in playback.restarts.words
-        assert playback.history.newest.step == 1_500
-        path.write_text(LEARNS.replace("EPISODES", "300"))
-        _until(watcher, lambda: playback.history.newest.step == 0)
-        playback.handle(commands.Train(1_600))
-        _until(watcher, lambda: "better than before after" in playback.restarts.words)
+        assert playback.lead.history.newest.step == 1_500
+        editor.path.write_text(LEARNS.replace("EPISODES", "300"))
+        _until(editor.watcher, lambda: playback.lead.history.newest.step == 0)
+        editor.trained(1_600, "better than before: ")
         assert "it was 0" in playback.restarts.words
-    finally:
-        playback.close()
 
 
 def _until(watcher: Watcher, is_there: Callable[[], bool]) -> None:
@@ -389,11 +413,13 @@ def test_a_breakpoint_set_on_the_way_does_not_change_what_is_counted(tmp_path: P
     with watched(written(tmp_path, episodes=100_000)) as watcher:
         playback = watcher.playback
         watcher.do(commands.Train(3))
-        begun = playback.history.newest.episodes
+        begun = playback.lead.history.newest.episodes
         playback.handle(commands.RunUntil(Until(Event.EPISODE_END, 900)))
         for number in range(10):  # holes 5 and 7 end an episode: no step leaves them
             playback.work()
-            playback.handle(commands.ToggleBreakpoint(pair=playback.program.world.world.space.pair_of(5, 0)))
+            playback.handle(
+                commands.ToggleBreakpoint(pair=playback.lead.program.world.world.space.pair_of(5, 0))
+            )
             assert playback.state is State.UNTIL, number
         assert watcher.do().counters.episodes == begun + 901
 
@@ -414,7 +440,7 @@ def test_what_the_diagnosis_stumbles_over_is_said_and_ends_nothing(
 def test_each_episode_begins_where_the_one_before_it_ended(tmp_path: Path) -> None:
     with watched(written(tmp_path)) as watcher:
         watcher.do(commands.Train(1_500))
-        history = watcher.playback.history
+        history = watcher.playback.lead.history
         steps = history.recording.steps
         ends = np.flatnonzero(steps.terminated | steps.truncated) + 1
         begins = [history.begin_of_episode(number) for number in range(1, len(ends) + 2)]
@@ -427,8 +453,10 @@ def test_a_cell_is_followed_anew_as_it_goes_on_and_into_the_past(tmp_path: Path)
         rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD))).counters.last_step
         shown = [watcher.do(commands.FollowCell(rewarded.pair)).cell]
         shown += [watcher.do(commands.Train(150)).cell for _ in range(4)]
-        changes = watcher.playback.history.recording.changes
-        mine = changes.step[changes.cell == watcher.playback.program.world.cell_of_pair[rewarded.pair]] + 1
+        changes = watcher.playback.lead.history.recording.changes
+        mine = (
+            changes.step[changes.cell == watcher.playback.lead.program.world.cell_of_pair[rewarded.pair]] + 1
+        )
         for history, step in zip(shown, (0, 150, 300, 450, 600), strict=True):
             assert set(mine[mine <= rewarded.step + step]) <= set(history.step)
         then, now = shown[1], watcher.do(commands.GoTo(step=rewarded.step + 150)).cell
@@ -438,51 +466,50 @@ def test_a_cell_is_followed_anew_as_it_goes_on_and_into_the_past(tmp_path: Path)
 class _Editor:
     """A watched program whose file is saved again. Time passes with each look."""
 
-    def __init__(self, folder: Path, episodes: int) -> None:
-        self.path = written(folder, episodes=episodes)
+    def __init__(self, folder: Path, text: str = LEARNS) -> None:
+        self.path = written(folder, text)
         clock = iter(range(10**9))
         program = WatchedProgram(ProgramRequest(self.path))
         program.wait_for_environment()
         self.playback = ProgramPlayback(program, lambda: None, clock=lambda: next(clock) / 10)
         self.watcher = Watcher(self.playback)
+        self.close = self.playback.close
+
+    def until_it_says(self, words: str) -> None:
+        _until(self.watcher, lambda: words in self.playback.restarts.words)
 
     def saved(self, text: str, words: str) -> None:
-        """Save ``text`` as editors do, under another name first, and wait until its finding has ``words``."""
         other = self.path.with_suffix(".new")
         other.write_text(text)
         self.path.unlink()
         _until(self.watcher, lambda: True)
         other.rename(self.path)
-        _until(self.watcher, lambda: words in self.playback.restarts.words)
+        self.until_it_says(words)
 
     def trained(self, steps: int, words: str = "") -> None:
-        """Take some steps, or the remaining ones, and wait until its finding contains ``words``."""
         self.playback.handle(commands.Train(steps))
         _until(self.watcher, lambda: not self.playback.on_the_way)
-        _until(self.watcher, lambda: words in self.playback.restarts.words)
+        self.until_it_says(words)
 
 
 def test_what_is_saved_may_be_worse_shorter_or_broken(tmp_path: Path) -> None:
-    editor = _Editor(tmp_path, episodes=300)
-    playback = editor.playback
-    try:
+    with closing(_Editor(tmp_path)) as editor:
+        playback = editor.playback
         editor.trained(1_200)
-        episodes = playback.history.newest.episodes
-        editor.playback.handle(commands.GoTo(step=100))  # while the past is on screen
+        episodes = playback.lead.history.newest.episodes
+        playback.handle(commands.GoTo(step=100))  # while the past is on screen
         editor.saved(LEARNS.replace("EPISODES", "300").replace("= 0.1,", "= 0.0,"), "from its seed")
-        assert (playback.history.in_past, playback.history.newest.step) == (False, 0)
-        editor.trained(5_000, f"worse than before after {episodes} episodes")
+        assert (playback.lead.history.in_past, playback.lead.history.newest.step) == (False, 0)
+        editor.trained(5_000, f"after {episodes} episodes, worse than before")
         editor.saved(LEARNS.replace("EPISODES", "2"), "from its seed")
-        editor.trained(1_300, "before at its end")
+        editor.trained(1_300, "at its end, ")
         assert "after 2 episodes" in playback.restarts.words
-        ended = playback.history.newest.step
+        ended = playback.lead.history.newest.step
         editor.saved("import gymnasium\nraise ValueError('no more')\n", "ValueError")
         assert "line 2" in playback.restarts.words
-        assert playback.history.newest.step == ended
+        assert playback.lead.history.newest.step == ended
         editor.path.unlink()
         playback.handle(commands.Restart(playback.snapshot().recipe))
         _until(editor.watcher, lambda: not playback.restarts.is_awaited)
         assert playback.restarts.words
-        assert playback.history.newest.step == ended
-    finally:
-        playback.close()
+        assert playback.lead.history.newest.step == ended

@@ -1,4 +1,4 @@
-"""A watched program as a process, and its complete cleanup."""
+"""A watched program as a process."""
 
 from __future__ import annotations
 
@@ -209,12 +209,10 @@ def test_output_stands_behind_the_step_before_it(tmp_path: Path) -> None:
 
 
 def descriptors() -> list[str]:
-    """Return the descriptors that this process has open."""
     return sorted(os.listdir("/dev/fd"))
 
 
 def children() -> list[str]:
-    """Return the child processes of this process, including ended ones."""
     ours = str(os.getpid())
     states = {folder.name: folder / "stat" for folder in Path("/proc").glob("[0-9]*")}
     return sorted(name for name, state in states.items() if parent_in(state) == ours)
@@ -222,6 +220,6 @@ def children() -> list[str]:
 
 def parent_in(state: Path) -> str:
     try:
-        return state.read_text().rpartition(")")[2].split()[1]
+        return state.read_text(encoding="utf-8").rpartition(")")[2].split()[1]
     except OSError:  # it has ended meanwhile
         return ""

@@ -1,4 +1,4 @@
-"""The recording of a program, compared with a plain replay of all messages."""
+"""The recording of a program."""
 
 from __future__ import annotations
 
@@ -76,8 +76,32 @@ def test_a_moment_that_is_forgotten_is_refused() -> None:
     for batch in _batches(200, 2):
         recording.add(*batch)
 
-    with pytest.raises(ValueError, match="not kept"):
+    with pytest.raises(ValueError, match="no longer kept"):
         recording.table_at(0)
+
+
+def test_the_older_half_of_two_tables_is_dropped() -> None:
+    recording, tables = Recording(50), np.zeros((2, CELLS))
+    recording.find_table(0, 2, np.zeros(CELLS))
+    recording.find_pair(0, np.zeros(2 * CELLS))
+    for steps, changes in _batches(200, 3):
+        rows = []
+        for number, cell, _, after in changes:
+            table, place, before = int(number) % 2, int(cell), tables.mean(0)
+            rows.append([number, CELLS * (1 + table) + place, tables[table, place], after])
+            tables[table, place] = after
+            rows.append([number, place, before[place], tables.mean(0)[place]])
+        recording.add(steps, np.array(rows).reshape(-1, 4))
+
+    assert recording.paired_at == recording.first > 0
+    assert recording.table_at(recording.count).tolist() == tables.mean(0).tolist()
+    changes = recording.changes_of_pair
+    assert len(changes.step) == len(recording.changes.step)
+    both = recording.initial_pair.copy()
+    for cell, before, after in zip(changes.cell, changes.before, changes.after, strict=True):
+        assert both[cell] == before
+        both[cell] = after
+    assert both.tolist() == tables.ravel().tolist()
 
 
 @pytest.mark.parametrize("size", [1, 7, 64])

@@ -1,4 +1,4 @@
-"""Code in scripts outside their loop: each case in a real process."""
+"""Code in scripts outside their loop."""
 
 from __future__ import annotations
 
@@ -46,19 +46,15 @@ def test_it_runs_as_python_runs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_output_of_python_of_c_and_of_processes_comes_in_lines(tmp_path: Path) -> None:
-    log = watched(
-        script_in(
-            tmp_path,
-            """\
-            import os, sys, warnings
-            print("printed")
-            print("to stderr", file=sys.stderr)
-            warnings.warn("a warning")
-            os.write(1, b"as C code does\\n")
-            os.system("echo by a process; echo and its errors >&2")
-            """,
-        )
-    )
+    text = """\
+    import os, sys, warnings
+    print("printed")
+    print("to stderr", file=sys.stderr)
+    warnings.warn("a warning")
+    os.write(1, b"as C code does\\n")
+    os.system("echo by a process; echo and its errors >&2")
+    """
+    log = watched(script_in(tmp_path, text))
     assert lines_of(log) == ["printed", "as C code does", "by a process"]
     errors = lines_of(log, "err")
     assert errors[0] == "to stderr"
@@ -67,36 +63,28 @@ def test_output_of_python_of_c_and_of_processes_comes_in_lines(tmp_path: Path) -
 
 
 def test_a_progress_bar_is_one_line(tmp_path: Path) -> None:
-    log = watched(
-        script_in(
-            tmp_path,
-            """\
-            import sys, time
-            for percent in range(2001):
-                print(f"\\r{percent / 20:.0f} %|####", end="", file=sys.stderr, flush=True)
-                if percent % 500 == 0:
-                    time.sleep(0.05)
-            print(file=sys.stderr)
-            print("after it", file=sys.stderr)
-            """,
-        )
-    )
+    text = """\
+    import sys, time
+    for percent in range(2001):
+        print(f"\\r{percent / 20:.0f} %|####", end="", file=sys.stderr, flush=True)
+        if percent % 500 == 0:
+            time.sleep(0.05)
+    print(file=sys.stderr)
+    print("after it", file=sys.stderr)
+    """
+    log = watched(script_in(tmp_path, text))
     assert lines_of(log, "err") == ["100 %|####", "after it"]
 
 
 def test_a_flood_of_output_is_bounded_and_its_end_is_kept(tmp_path: Path) -> None:
-    log = watched(
-        script_in(
-            tmp_path,
-            """\
-            import os
-            for line in range(200_000):
-                print("line", line, "x" * 50)
-            os.write(1, b"y" * 3_000_000 + b"\\n")
-            print("the last line")
-            """,
-        )
-    )
+    text = """\
+    import os
+    for line in range(200_000):
+        print("line", line, "x" * 50)
+    os.write(1, b"y" * 3_000_000 + b"\\n")
+    print("the last line")
+    """
+    log = watched(script_in(tmp_path, text))
     lines = lines_of(log)
     assert lines[0].startswith("line 0 ")
     assert lines[-1] == "the last line"
@@ -124,11 +112,11 @@ def test_floods_by_processes_do_not_outlive_the_script(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "error", "text"),
     [
-        ("input('how many? ')", "RuntimeError", "input() cannot be answered while rl-tui watches"),
-        ("import cv2_", "ModuleNotFoundError", "put it beside the script"),
+        ("input('how many? ')", "RuntimeError", "input() does not work while rl-tui watches"),
+        ("import cv2_", "ModuleNotFoundError", "put it next to the script"),
         ("import cv2.no", "ModuleNotFoundError", "install it with `pip install opencv-python`"),
         ("import sklearn.tree as x", "ModuleNotFoundError", "`pip install scikit-learn`"),
-        ("s, r, done, info = env.step(0)", "ValueError", "step returns five values since Gym 0.26"),
+        ("s, r, done, info = env.step(0)", "ValueError", "since Gym 0.26, step returns five values"),
         ("state = env.reset(); q = [0.0] * 16; q[state]", "TypeError", "`state, info = env.reset()`"),
         ("state = env.reset(); q = {}; q[state]", "TypeError", "`state, info = env.reset()`"),
         ("import numpy as np; q = np.zeros(16); s = env.reset(); q[s]", "IndexError", "info = env.reset()`"),
@@ -189,15 +177,15 @@ def test_an_exit_is_an_end(tmp_path: Path, code: str, note: str | None) -> None:
 @pytest.mark.parametrize(
     ("code", "text"),
     [
-        ("os.kill(os.getpid(), 9)", "ended by the signal SIGKILL"),
+        ("os.kill(os.getpid(), 9)", "stopped by the signal SIGKILL"),
         ("os._exit(7)", "by os._exit(7)"),
-        ("os.abort()", "ended by the signal SIGABRT"),
+        ("os.abort()", "stopped by the signal SIGABRT"),
         ("os.closerange(3, 256); time.sleep(600)", "closed the pipe"),
         ("os.closerange(0, 256); time.sleep(600)", "closed the pipe"),
-        ("[os.write(n, b'S' + b'\\xff' * 99) for n in pipes()]; time.sleep(600)", "garbled"),
-        ("[os.write(n, b'?' + bytes(8)) for n in pipes()]; time.sleep(600)", "garbled"),
-        ("[os.write(n, b'J' + (4).to_bytes(8, 'little') + b'null') for n in pipes()]", "garbled"),
-        ("[os.write(n, b'S' + (8).to_bytes(8, 'little') + b'\\xff' * 8) for n in pipes()]", "garbled"),
+        ("[os.write(n, b'S' + b'\\xff' * 99) for n in pipes()]; time.sleep(600)", "is damaged"),
+        ("[os.write(n, b'?' + bytes(8)) for n in pipes()]; time.sleep(600)", "is damaged"),
+        ("[os.write(n, b'J' + (4).to_bytes(8, 'little') + b'null') for n in pipes()]", "is damaged"),
+        ("[os.write(n, b'S' + (8).to_bytes(8, 'little') + b'\\xff' * 8) for n in pipes()]", "is damaged"),
     ],
 )
 def test_a_violent_end_is_told_in_a_line(tmp_path: Path, code: str, text: str) -> None:
@@ -238,7 +226,7 @@ def test_a_hang_ends_with_the_time_limit(tmp_path: Path) -> None:
 
     path = script_in(tmp_path, "import re\nre.match('(a+)+$', 'a' * 60 + 'b')\n")  # holds the interpreter
     log = watched_to_the_end(ProgramRequest(path), seconds=0.5)
-    assert log.error.text == "the program was ended after 0.5 seconds"
+    assert log.error.text == "the program was stopped after 0.5 seconds"
 
 
 def test_steps_end_a_script_that_would_go_on(tmp_path: Path) -> None:
@@ -265,7 +253,7 @@ def test_lines_of_a_notebook_are_skipped_and_counted(tmp_path: Path) -> None:
     )
     log = watched(path)
     assert lines_of(log) == ["3 % not a line of a notebook"]
-    assert log.notes == ["4 lines of a notebook, with ! or %, are skipped"]
+    assert log.notes == ["4 lines for notebooks only are skipped"]
     assert log.error.line == 11
 
 
@@ -277,19 +265,15 @@ def test_plots_open_no_window(tmp_path: Path) -> None:
     (package / "pyplot.py").write_text(
         "def show():\n    raise RuntimeError('a window')\npause = show\nswitch_backend = print\n"
     )
-    log = watched(
-        script_in(
-            tmp_path,
-            """\
-            import os, matplotlib
-            matplotlib.use("TkAgg")
-            import matplotlib.pyplot as plt
-            from matplotlib.pyplot import show
-            plt.show(block=True); show(); plt.pause(0.1); plt.switch_backend("Qt5Agg")
-            print(os.environ["MPLBACKEND"], os.environ["SDL_VIDEODRIVER"], os.environ["PYTHONHASHSEED"])
-            """,
-        )
-    )
+    text = """\
+    import os, matplotlib
+    matplotlib.use("TkAgg")
+    import matplotlib.pyplot as plt
+    from matplotlib.pyplot import show
+    plt.show(block=True); show(); plt.pause(0.1); plt.switch_backend("Qt5Agg")
+    print(os.environ["MPLBACKEND"], os.environ["SDL_VIDEODRIVER"], os.environ["PYTHONHASHSEED"])
+    """
+    log = watched(script_in(tmp_path, text))
     assert log.error is None
     assert lines_of(log) == ["agg", "Agg dummy 0"]
 
@@ -317,10 +301,7 @@ def test_threads_that_the_script_leaves_are_waited_for(tmp_path: Path) -> None:
     )
     log = watched(script_in(tmp_path, text))
     assert lines_of(log) == ["late"]
-    assert log.notes == [
-        "the script starts threads: the same seed need not give the same run",
-        NO_ENVIRONMENT,
-    ]
+    assert log.notes == ["the script starts threads, so the same seed may give another run", NO_ENVIRONMENT]
 
 
 def test_processes_that_the_script_forks_work_and_are_told_of(tmp_path: Path) -> None:
@@ -334,7 +315,7 @@ def test_processes_that_the_script_forks_work_and_are_told_of(tmp_path: Path) ->
     """
     log = watched(script_in(tmp_path, text))
     assert (lines_of(log), log.error) == (["[1, 4, 9]"], None)
-    assert "the script starts processes: the same seed need not give the same run" in log.notes
+    assert "the script starts processes, so the same seed may give another run" in log.notes
 
 
 @pytest.mark.usefixtures("real_start")
@@ -342,3 +323,12 @@ def test_memory_is_bounded_where_that_is_asked_for(tmp_path: Path) -> None:
     path = script_in(tmp_path, "x = bytearray(3_000_000_000)\n")
     found = watched(path, memory=2 * 10**9).error
     assert found.type == "MemoryError"
+
+
+def test_pauses_of_pygame_return_at_once(tmp_path: Path) -> None:
+    (tmp_path / "pygame").mkdir()
+    (tmp_path / "pygame" / "__init__.py").write_text("from pygame import time\n")
+    script_in(tmp_path, "Clock = wait = delay = None\n", "pygame/time.py")
+    text = "from pygame.time import Clock, wait\nprint(Clock().tick(60), Clock().get_fps(), wait(5))\n"
+    log = watched(script_in(tmp_path, text))
+    assert (log.error, lines_of(log)) == (None, ["1 60.0 5"])

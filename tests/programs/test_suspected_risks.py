@@ -1,4 +1,4 @@
-"""Risks that one seed does not prove, and several do."""
+"""Risks that only several seeds prove."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ RISK = CodeFinding(
 
 
 def graded(luck: float, dry: int, seeds: int, share: float = 0.01) -> GradedSubmission:
-    """Return a submission with ``dry`` seeds that learned nothing, each with the probability ``luck``."""
     suspected = [SuspectedRisk(RISK, luck)] * dry + [None] * (seeds - dry)
     runs = tuple(
         GradedRun(seed, share, share if each else 1.0, suspected=each) for seed, each in enumerate(suspected)
@@ -50,8 +49,9 @@ def test_the_luck_of_all_seeds_decides(luck: float, dry: int, seeds: int, is_tol
     assert [(each.fault, count) for each, count in found] == [(CodeFault.FIRST_OF_TIES, dry)] * is_told
     for each, _ in found:
         assert each.text == (
-            f"{RISK.text} This is so in {dry} of {seeds} seeds. With random choices among equal values, the "
-            "chance of that is below 0.0001."
+            f"{RISK.text} This happened in {dry} of {seeds} seeds. With random choices among equal "
+            "values, the "
+            "probability of that is below 0.0001."
         )
 
 

@@ -1,4 +1,4 @@
-"""The variable chosen as a program's table, and the environments that are watched."""
+"""The variable chosen as a program's table."""
 
 from __future__ import annotations
 
@@ -43,6 +43,8 @@ def _log(folder: Path, before: str, update: str, table: str | None = None) -> Pr
         ("best_q = np.zeros((16, 4)); q = np.zeros((16, 4))", "q", ("best_q",)),
         ("q = np.zeros((16, 4)); same = q", "q", ()),
         ("class A: pass\nme = A(); me.own = A(); me.own.q_values = np.zeros((16, 4))", "me.own.q_values", ()),
+        ("class A: Q = np.zeros((16, 4))\nme = A()", "me.Q", ()),
+        ("class A: Q = {i: [0.0] * 4 for i in range(16)}\nclass B(A): pass\nme = B()", "me.Q", ()),
         ("q = np.zeros((4, 16)); table = np.zeros((16, 4))", "table", ()),
     ],
 )
@@ -72,6 +74,30 @@ def test_a_table_that_is_not_there_is_said(tmp_path: Path) -> None:
 
     assert log.table is None
     assert any("theta" in note for note in log.notes)
+
+
+def test_an_attribute_of_an_environment_is_not_a_table(tmp_path: Path) -> None:
+    text = """\
+    import gymnasium as gym, numpy as np
+    class Grid(gym.Env):
+        bonus = np.zeros((6, 2))
+        observation_space, action_space = gym.spaces.Discrete(6), gym.spaces.Discrete(2)
+        def reset(self, seed=None, options=None):
+            return 0, {}
+        def step(self, a):
+            self.bonus[0, a] += 1
+            return 1, 0.0, True, False, {}
+    env = Grid()
+    def learn():
+        w = np.zeros((6, 2))
+        for episode in range(9):
+            env.reset()
+            w[0, 1] += env.step(1)[1] + 1
+    learn()
+    """
+    log = watched(script_in(tmp_path, text))
+    assert log.error is None
+    assert (log.table.name, log.table.others) == ("w", ())
 
 
 def test_looking_calls_nothing_of_the_program(tmp_path: Path) -> None:
@@ -147,7 +173,7 @@ def test_what_cannot_be_watched_is_refused(tmp_path: Path, text: str, refused: s
     [
         ("print('nothing')", "nothing to watch"),
         ("import copy; env = copy.deepcopy(gym.make('FrozenLake-v1')); env.reset(); env.step(0)", "copies"),
-        ("env = gym.make('CartPole-v1'); env.reset()", "the state is what indexes the table"),
+        ("env = gym.make('CartPole-v1'); env.reset()", "reads the state from the index of your table"),
     ],
 )
 def test_a_program_of_which_nothing_was_seen_is_told_why(tmp_path: Path, text: str, note: str) -> None:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import threading
-import time
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from watched_scripts import wait_until
 
 from rl_tui.programs.diagnosis import verdicts
 from rl_tui.programs.diagnosis.verdicts import Verdicts
@@ -17,11 +16,9 @@ from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.programs.watched.recording import Recording
 
 MOST = 100
-PATIENCE = 30.0
 
 
 def grown(recording: Recording, steps: int, value: float) -> None:
-    """Let ``recording`` grow by ``steps`` steps, each of which sets cell 0 to ``value``."""
     changes = np.zeros((steps, CHANGE_WIDTH))
     changes[:, 0] = recording.count + np.arange(steps)
     changes[:, 3] = value
@@ -34,13 +31,6 @@ def log() -> ProgramLog:
     log.recording.find_table(0, 1, np.zeros(1))
     grown(log.recording, 50, 1.0)
     return log
-
-
-def wait_until(is_so: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not is_so():
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
 
 
 def test_what_is_frozen_stays_as_it_was(log: ProgramLog) -> None:
@@ -70,28 +60,6 @@ def test_what_comes_with_no_further_step_is_judged_too(
     log.recording.add(np.empty((0, STEP_WIDTH)), np.array([[49.0, 0.0, 1.0, 2.0]]))
     newest.look(log, is_still=True)
     assert seen == [50, 51]
-
-
-def test_a_verdict_on_an_earlier_run_counts_no_more(log: ProgramLog, monkeypatch: pytest.MonkeyPatch) -> None:
-    may_end, has_ended = threading.Event(), threading.Event()
-
-    def judged(_: ProgramLog) -> ProgramVerdict:
-        may_end.wait(PATIENCE)
-        has_ended.set()
-        return ProgramVerdict(notes=("of the earlier run",))
-
-    monkeypatch.setattr(verdicts, "verdict_of", judged)
-    news: list[bool] = []
-    newest = Verdicts(lambda: news.append(True), automatic=True)
-    newest.look(log, is_still=True)
-    newest.forget()
-    may_end.set()
-    assert has_ended.wait(PATIENCE)
-    wait_until(lambda: not any(each.name == "diagnosis" for each in threading.enumerate()))
-    assert not newest.newest.notes
-    newest.look(log, is_still=True)
-    wait_until(lambda: bool(news))
-    assert newest.newest.notes == ("of the earlier run",)
 
 
 def test_where_there_is_no_thread_to_be_had_it_tries_again(

@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from watched_scripts import lines_of, script_in, watched
-
-from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from watched_scripts import check_q_learning, lines_of, script_in, watched
 
 pytestmark = pytest.mark.process
 
@@ -57,16 +55,8 @@ for episode in range(200):
 )
 def test_its_calls_are_steps(text: str, name: str, table: str, form: str, tmp_path: Path) -> None:
     log = watched(script_in(tmp_path, text), steps=4000)
-    verdict = verdict_of(log)
-    assert (log.error, verdict.findings, log.environments[0].id) == (None, (), name)
-    assert log.table is not None
-    assert (log.table.name, log.table.form) == (table, form)
-    assert (verdict.update.rule, verdict.update.alpha, verdict.update.gamma, verdict.update.fits) == (
-        "q-learning",
-        pytest.approx(0.1),
-        pytest.approx(0.9),
-        1.0,
-    )
+    check_q_learning(log, table, form, 0.1, 0.9)
+    assert log.environments[0].id == name
     steps = log.recording.steps
     assert (steps.episode_step == 0).sum() == steps.episode.max() + 1 > 20
 

@@ -1,4 +1,4 @@
-"""Claims of README and tutorial about the watched script, computed again."""
+"""Claims of README and tutorial about the watched script."""
 
 from __future__ import annotations
 
@@ -41,3 +41,16 @@ def test_nothing_is_found_in_the_script_that_the_tutorial_corrects(tmp_path: Pat
     result = CliRunner().invoke(program, ["watch", str(script), "--json"])
     document = json.loads(result.stdout)
     assert (document["update"]["rule"], document["findings"]) == ("q-learning", [])
+
+
+def test_the_line_is_named_wherever_the_script_lies(tmp_path: Path) -> None:
+    folder = tmp_path / "lib" / "site-packages"
+    folder.mkdir(parents=True)
+    script = folder / "lake.py"
+    script.write_text((ROOT / "docs/lake.py").read_text(encoding="utf-8"), encoding="utf-8")
+    result = CliRunner().invoke(program, ["watch", str(script), "--steps", "2000", "--json"])
+    (finding,) = json.loads(result.stdout)["findings"]
+    lines = script.read_text(encoding="utf-8").splitlines()
+    assert finding["file"] == str(script)
+    assert lines[finding["line"] - 1].strip().startswith("q[state, action] +=")
+    assert finding["correction"].startswith("update q[state, action], ")

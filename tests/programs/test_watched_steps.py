@@ -1,4 +1,4 @@
-"""Each step and change of a script is reported exactly: compared with the script's own notes."""
+"""Each step and change is reported exactly."""
 
 from __future__ import annotations
 
@@ -55,150 +55,81 @@ open(sys.argv[1], "wb").write(pickle.dumps(log))
 _ROWS = "[[float(x) for x in row] for row in {}]"
 _LAKE = "env = gym.make('FrozenLake-v1')\n"
 _TAXI = "env = gym.make('Taxi-v4')\n"
-_CASES: Mapping[str, tuple[str, str, str, str]] = {  # form: setup, flat table, row of s2, update
-    "array": (
-        _LAKE + "q = np.zeros((16, 4))",
-        "q.tolist()",
-        "q[s2]",
-        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+_SHIFTED = "env = gym.make('Shifted-v0')\n"
+
+
+def _case(
+    setup: str, cell: str = "q[s, a]", flat: str = "q.tolist()", row: str = "q[s2]", update: str = "{}"
+) -> tuple[str, str, str, str]:
+    """Return the set-up, the flat table, the row of s2, and ``update`` with the step of ``cell`` in it."""
+    shift = " - .01" if setup.startswith((_LAKE, _SHIFTED)) else ""
+    return setup, flat, row, update.format(f"{cell} += .1 * (r{shift} + .9 * best - {cell})")
+
+
+_LISTS, _ARRAYS = "[list(row) for row in q]", _ROWS.format("q.values()")
+_CASES: Mapping[str, tuple[str, str, str, str]] = {
+    "array": _case(_LAKE + "q = np.zeros((16, 4))"),
+    "float32": _case(_LAKE + "q = np.zeros((16, 4), np.float32)"),
+    "fortran": _case(_LAKE + "q = np.zeros((16, 4), order='F')"),
+    "objects": _case(_LAKE + "q = np.zeros((16, 4), object)", flat=_ROWS.format("q")),
+    "integers": _case(
+        _LAKE + "q = np.zeros((16, 4), int)", update="q[s, a] += int(3 * (r + 1 + best - q[s, a]))"
     ),
-    "float32": (
-        _LAKE + "q = np.zeros((16, 4), np.float32)",
-        "q.tolist()",
-        "q[s2]",
-        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    "bound anew": _case(_LAKE + "q = np.zeros((16, 4))", update="q = q.copy(); {}"),
+    "reset now and then": _case(
+        _LAKE + "q = np.zeros((16, 4))", update="{}\nif t % 50 == 49: q = np.zeros((16, 4))"
     ),
-    "fortran": (
-        _LAKE + "q = np.zeros((16, 4), order='F')",
-        "q.tolist()",
-        "q[s2]",
-        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
-    ),
-    "objects": (
-        _LAKE + "q = np.zeros((16, 4), object)",
-        _ROWS.format("q"),
-        "q[s2]",
-        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
-    ),
-    "integers": (
-        _LAKE + "q = np.zeros((16, 4), int)",
-        "q.tolist()",
-        "q[s2]",
-        "q[s, a] += int(3 * (r + 1 + best - q[s, a]))",
-    ),
-    "bound anew": (
-        _LAKE + "q = np.zeros((16, 4))",
-        "q.tolist()",
-        "q[s2]",
-        "q = q.copy(); q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
-    ),
-    "reset now and then": (
-        _LAKE + "q = np.zeros((16, 4))",
-        "q.tolist()",
-        "q[s2]",
-        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])\nif t % 50 == 49: q = np.zeros((16, 4))",
-    ),
-    "lists": (
+    "lists": _case(_LAKE + "q = [[0.0] * 4 for _ in range(16)]", "q[s][a]", _LISTS),
+    "lists bound anew": _case(
         _LAKE + "q = [[0.0] * 4 for _ in range(16)]",
-        "[list(row) for row in q]",
-        "q[s2]",
-        "q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
+        "q[s][a]",
+        _LISTS,
+        update="q = [list(row) for row in q]; {}",
     ),
-    "lists bound anew": (
-        _LAKE + "q = [[0.0] * 4 for _ in range(16)]",
-        "[list(row) for row in q]",
-        "q[s2]",
-        "q = [list(row) for row in q]; q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
-    ),
-    "dict of arrays": (
-        _LAKE + "q = {i: np.zeros(4) for i in range(16)}",
-        _ROWS.format("q.values()"),
-        "q[s2]",
-        "q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
-    ),
-    "dict of lists": (
-        _LAKE + "q = {i: [0.0] * 4 for i in range(16)}",
-        _ROWS.format("q.values()"),
-        "q[s2]",
-        "q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
-    ),
-    "dict of pairs": (
+    "dict of arrays": _case(_LAKE + "q = {i: np.zeros(4) for i in range(16)}", "q[s][a]", _ARRAYS),
+    "dict of lists": _case(_LAKE + "q = {i: [0.0] * 4 for i in range(16)}", "q[s][a]", _ARRAYS),
+    "dict of pairs": _case(
         _LAKE + "q = {(i, b): 0.0 for i in range(16) for b in range(4)}",
-        "[[q[i, b] for b in range(4)] for i in range(16)]",
-        "q[s2, b] for b in range(4)",
-        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+        flat="[[q[i, b] for b in range(4)] for i in range(16)]",
+        row="q[s2, b] for b in range(4)",
     ),
-    "large array": (
-        _TAXI + "q = np.zeros((500, 6))",
-        "q.tolist()",
-        "q[s2]",
-        "q[s, a] += .1 * (r + .9 * best - q[s, a])",
-    ),
-    "large lists": (
-        _TAXI + "q = [[0.0] * 6 for _ in range(500)]",
-        "[list(row) for row in q]",
-        "q[s2]",
-        "q[s][a] += .1 * (r + .9 * best - q[s][a])",
-    ),
-    "large dict of arrays": (
-        _TAXI + "q = {i: np.zeros(6) for i in range(500)}",
-        _ROWS.format("q.values()"),
-        "q[s2]",
-        "q[s][a] += .1 * (r + .9 * best - q[s][a])",
-    ),
-    "large dict of pairs": (
+    "large array": _case(_TAXI + "q = np.zeros((500, 6))"),
+    "large lists": _case(_TAXI + "q = [[0.0] * 6 for _ in range(500)]", "q[s][a]", _LISTS),
+    "large dict of arrays": _case(_TAXI + "q = {i: np.zeros(6) for i in range(500)}", "q[s][a]", _ARRAYS),
+    "large dict of pairs": _case(
         _TAXI + "q = {(i, b): 0.0 for i in range(500) for b in range(6)}",
-        "[[q[i, b] for b in range(6)] for i in range(500)]",
-        "q[s2, b] for b in range(6)",
-        "q[s, a] += .1 * (r + .9 * best - q[s, a])",
+        flat="[[q[i, b] for b in range(6)] for i in range(500)]",
+        row="q[s2, b] for b in range(6)",
     ),
-    "an attribute": (
+    "an attribute": _case(
         _LAKE + "class Agent: pass\nagent = Agent(); agent.q = np.zeros((16, 4))",
-        "agent.q.tolist()",
-        "agent.q[s2]",
-        "agent.q[s, a] += .1 * (r - .01 + .9 * best - agent.q[s, a])",
+        *("agent.q[s, a]", "agent.q.tolist()", "agent.q[s2]"),
     ),
-    "another agent": (
+    "another agent": _case(
         _LAKE + "class Agent:\n    def __init__(self): self.q = np.zeros((16, 4))\nagent = Agent()",
-        "agent.q.tolist()",
-        "agent.q[s2]",
-        "agent.q[s, a] += .1 * (r - .01 + .9 * best - agent.q[s, a])\nif t % 50 == 49: agent = Agent()",
+        *("agent.q[s, a]", "agent.q.tolist()", "agent.q[s2]"),
+        update="{}\nif t % 50 == 49: agent = Agent()",
     ),
-    "several cells": (
+    "several cells": _case(
         _LAKE + "q = np.zeros((16, 4)); e = np.zeros((16, 4))",
-        "q.tolist()",
-        "q[s2]",
-        "e *= .8; e[s, a] += 1; q += .1 * (r - .01 + .9 * best - q[s, a]) * e",
+        update="e *= .8; e[s, a] += 1; q += .1 * (r - .01 + .9 * best - q[s, a]) * e",
     ),
-    "several cells of lists": (
+    "several cells of lists": _case(
         _TAXI + "q = [[0.0] * 6 for _ in range(500)]; past = [(0, 0)] * 5",
-        "[list(row) for row in q]",
-        "q[s2]",
-        "past = past[1:] + [(s, a)]\nfor x, y in past: q[x][y] += .1 * (r + .9 * best - q[x][y])",
+        *("q[x][y]", _LISTS),
+        update="past = past[1:] + [(s, a)]\nfor x, y in past: {}",
     ),
-    "start": (
-        "env = gym.make('Shifted-v0')\nq = np.zeros((4, 2))",
-        "q.tolist()",
-        "q[s2 - 5]",
-        "q[s - 5, a - 2] += .1 * (r - .01 + .9 * best - q[s - 5, a - 2])",
+    "start": _case(_SHIFTED + "q = np.zeros((4, 2))", "q[s - 5, a - 2]", row="q[s2 - 5]"),
+    "start, dict": _case(
+        _SHIFTED + "q = {i: {} and 0 or [0.0, 0.0] for i in range(5, 9)}", "q[s][a - 2]", _ARRAYS
     ),
-    "start, dict": (
-        "env = gym.make('Shifted-v0')\nq = {i: {} and 0 or [0.0, 0.0] for i in range(5, 9)}",
-        _ROWS.format("q.values()"),
-        "q[s2]",
-        "q[s][a - 2] += .1 * (r - .01 + .9 * best - q[s][a - 2])",
+    "start, pairs": _case(
+        _SHIFTED + "q = {(i, b): 0.0 for i in range(5, 9) for b in (2, 3)}",
+        flat="[[q[i, b] for b in (2, 3)] for i in range(5, 9)]",
+        row="q[s2, b] for b in (2, 3)",
     ),
-    "start, pairs": (
-        "env = gym.make('Shifted-v0')\nq = {(i, b): 0.0 for i in range(5, 9) for b in (2, 3)}",
-        "[[q[i, b] for b in (2, 3)] for i in range(5, 9)]",
-        "q[s2, b] for b in (2, 3)",
-        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
-    ),
-    "blackjack": (
-        "env = gym.make('Blackjack-v1')\nq = np.zeros((32, 11, 2, 2))",
-        "q.reshape(-1, 2).tolist()",
-        "q[s2]",
-        "q[s][a] += .1 * (r + .9 * best - q[s][a])",
+    "blackjack": _case(
+        "env = gym.make('Blackjack-v1')\nq = np.zeros((32, 11, 2, 2))", "q[s][a]", "q.reshape(-1, 2).tolist()"
     ),
 }
 
@@ -330,7 +261,6 @@ def test_what_changes_at_the_end_of_an_episode_belongs_to_its_last_step(
 
 
 def _written(folder: Path) -> list[list[object]]:
-    """Return the content of the file that a script itself wrote."""
     written: list[list[object]] = pickle.loads((folder / "log").read_bytes())
     return written
 

@@ -1,4 +1,4 @@
-"""Questions answered in the background: answers, failures, and oversized answers."""
+"""Questions answered in the background."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def leaves(status, tell):
         ("counts", 3, 3, ""),
         ("breaks_down", 0.5, "a part", "ZeroDivisionError: out of breath"),
         ("refuses", "not here", None, "not here"),
-        ("says_much", LONGEST, "a part", "ValueError: an answer of "),
+        ("says_much", LONGEST, "a part", "ValueError: a result of "),
         ("leaves", 0, "a part", ENDED_BY_ITSELF),
         ("writes", "no length", "a part", ENDED_BY_ITSELF),
         ("writes", "\0\0\0\0\0\0\0\1x", "a part", "UnpicklingError: "),

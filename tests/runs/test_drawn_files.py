@@ -1,4 +1,4 @@
-"""Files of edited worlds: those that may be overwritten, and the question after a save."""
+"""Files of edited worlds."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_a_file_that_is_gone_is_written_anew_and_one_that_came_in_its_place_is_n
         file.written(path, text)
     path.rmdir()
     path.symlink_to(path.with_name("nowhere"))
-    with pytest.raises(UserError, match="exists already"):
+    with pytest.raises(UserError, match="already exists"):
         file.written(path, text)
 
 
@@ -100,9 +100,9 @@ def test_another_file_is_never_written_over(path: Path, tmp_path: Path) -> None:
     scenario = read_scenario(path)
     file, other = file_of(scenario), tmp_path / "other.toml"
     other.write_text("another's", encoding="utf-8")
-    with pytest.raises(UserError, match="exists already"):
+    with pytest.raises(UserError, match="already exists"):
         path_named(str(other), file)
-    with pytest.raises(UserError, match="exists already"):
+    with pytest.raises(UserError, match="already exists"):
         file.written(other, drawn_text(scenario))
     assert other.read_text(encoding="utf-8") == "another's"
     with pytest.raises(UserError, match="no folder"):

@@ -1,4 +1,4 @@
-"""Going back and branching: after any actions, the state equals the journal, bit for bit."""
+"""After any actions, the state equals the journal, bit for bit."""
 
 from __future__ import annotations
 
@@ -46,7 +46,6 @@ from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm
 
 
 def through_a_file(record: Record) -> Record:
-    """Write ``record`` to a session file and read it again."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "session.json"
         path.write_bytes(encoded(record))
@@ -123,7 +122,6 @@ def test_every_moment_looks_as_it_looked_then(scenario: str) -> None:
 
 
 def looks(snapshot: Snapshot) -> Any:
-    """The content of a snapshot, without information about other moments."""
     about_now = {"timeline", "world", "exact_answer"}
     if snapshot.world.new_environment is not None:
         about_now.add("trail")  # a stepped environment shows the recorded values
@@ -344,7 +342,7 @@ def test_an_action_that_is_not_possible_is_refused() -> None:
 
 @pytest.mark.parametrize(
     ("command", "most"),
-    [(Step(), 95), (StepBack(), 110), (Apply(SetParameter("alpha", 0.2)), 100)],
+    [(Step(), 90), (StepBack(), 105), (Apply(SetParameter("alpha", 0.2)), 95)],
     ids=["step", "back", "slider"],
 )
 def test_few_functions_run_from_a_command_to_its_snapshot(command: Command, most: int) -> None:

@@ -53,7 +53,7 @@ def test_what_the_user_asks_for_goes_before_the_defaults() -> None:
         ("epsilon", float("nan"), r"expected a number in \[0, 1\]"),
         ("ties", "last", "ties is last; expected random or first"),
         ("algorithm", "qlearning", 'algorithm is "qlearning".*did you mean "q-learning"'),
-        ("alhpa", 0.1, 'no hyper-parameter "alhpa".*did you mean "alpha"'),
+        ("alhpa", 0.1, 'no setting "alhpa".*did you mean "alpha"'),
     ],
 )
 def test_overrides_out_of_range_are_refused_with_the_range(name: str, value: object, complaint: str) -> None:
@@ -83,7 +83,7 @@ def test_faulty_defaults_are_all_reported_with_their_place(tmp_path: Path) -> No
     assert faults[0].found == "0"
     assert faults[0].expected == "a number in (0, 1] or sample-average"
     assert faults[1].expected == "a whole number, 1 or more"
-    assert 'did you mean "epsilon"' in faults[3].expected
+    assert 'did you mean "epsilon"' in str(faults[3])
     for attempt in (lambda: find(str(path)),):
         with pytest.raises(ScenarioError) as refused:
             attempt()

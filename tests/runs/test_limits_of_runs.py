@@ -50,7 +50,7 @@ def test_branches_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
         if number < 49:
             lane.apply(SetParameter("alpha", 0.1 + number / 1000))
     assert len(lane.timeline.branches) == 50
-    with pytest.raises(UserError, match=r"^50 branches are the limit in a kiosk; r r starts again$"):
+    with pytest.raises(UserError, match=r"^a kiosk allows at most 50 branches; r r starts again$"):
         lane.apply(SetParameter("alpha", 0.9))
 
 
@@ -60,7 +60,7 @@ def test_changes_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
     lane = _lane()
     for number in range(5):
         lane.apply(SetParameter("alpha", 0.1 + number / 100))
-    with pytest.raises(UserError, match=r"^5 changes are the limit in a kiosk; r r starts again$"):
+    with pytest.raises(UserError, match=r"^a kiosk allows at most 5 changes; r r starts again$"):
         lane.apply(SetParameter("alpha", 0.9))
     assert len(lane.run.journal) == 5
 

@@ -1,4 +1,4 @@
-"""Policy files: their meaning, their errors, and how they are written."""
+"""Policy files."""
 
 from __future__ import annotations
 
@@ -22,14 +22,12 @@ LAKE = begin(recipe("frozenlake")).world.space
 
 
 def read(folder: Path, content: Any, space: FiniteSpace = STUDENT) -> dict[int, Choice]:
-    """The policy in a file of this content, JSON or text."""
     path = folder / "policy.json"
     path.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
     return read_policy(str(path), space)
 
 
 def faults(folder: Path, content: Any) -> list[str]:
-    """The errors of such a file, without its name."""
     with pytest.raises(UserError) as caught:
         read(folder, content)
     return [line.removeprefix(f"{folder / 'policy.json'}: ") for line in str(caught.value).splitlines()]
@@ -54,25 +52,28 @@ def test_an_editor_on_windows_may_have_written_it(tmp_path: Path) -> None:
     [
         (
             {"Klass": "study"},
-            'Klass: found an unknown state; expected a state of this world (did you mean "Class"?)',
+            'Klass: unknown state; use one of this world (did you mean "Class"?)',
         ),
         (
             {"Sleep": "sleep"},
-            "Sleep: found a terminal state; expected states with available actions",
+            "Sleep: a terminal state has no actions; leave it out",
         ),
-        ({"Phone": "quitt"}, 'Phone: found "quitt"; expected one of scroll, quit (did you mean "quit"?)'),
-        ({"Phone": "sleep"}, 'Phone: found "sleep"; expected one of scroll, quit'),
+        (
+            {"Phone": "quitt"},
+            'Phone: "quitt" is not available here; choose one of scroll, quit (did you mean "quit"?)',
+        ),
+        ({"Phone": "sleep"}, 'Phone: "sleep" is not available here; choose one of scroll, quit'),
         (
             {"Phone": {"quit": 0.5, "sleep": 0.5}},
-            "Phone.sleep: found an action that is not available here; expected one of scroll, quit",
+            "Phone.sleep: this action is not available here; choose one of scroll, quit",
         ),
         ({"Phone": 1}, 'Phone: found 1; expected an action, or a table {"ACTION": CHANCE}'),
         ({"Phone": ["quit"]}, 'Phone: found ["quit"]; expected an action, or a table {"ACTION": CHANCE}'),
         ({"Phone": None}, 'Phone: found None; expected an action, or a table {"ACTION": CHANCE}'),
-        ({"Phone": {}}, "Phone: found chances that sum to 0; expected chances that sum to 1"),
+        ({"Phone": {}}, "Phone: the chances sum to 0; make them sum to 1"),
         (
             {"Class": {"study": 0.5, "check phone": 0.5 + 2e-9}},
-            "Class: found chances that sum to 1.000000002; expected chances that sum to 1",
+            "Class: the chances sum to 1.000000002; make them sum to 1",
         ),
         ({"Phone": {"quit": "1"}}, 'Phone.quit: found "1"; expected a number from 0 to 1'),
         ({"Phone": {"quit": True}}, "Phone.quit: found true; expected a number from 0 to 1"),
@@ -81,21 +82,21 @@ def test_an_editor_on_windows_may_have_written_it(tmp_path: Path) -> None:
         ('{"Phone": {"quit": Infinity}}', "Phone.quit: found inf; expected a number from 0 to 1"),
         (
             '{"Phone": "quit", "Phone": "scroll"}',
-            "Phone: found a state that is given twice; expected each state once",
+            "Phone: this state is listed twice; list it once",
         ),
         (
             '{"Phone": {"quit": 0.5, "quit": 1}}',
-            "Phone.quit: found an action that is given twice; expected each action once",
+            "Phone.quit: this action is listed twice; list it once",
         ),
         (
             '["quit"]',
             'found ["quit"]; expected a table, {"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
         ),
-        ("{,}", "line 1, column 2: found invalid JSON (Expecting property name enclosed in double quotes)"),
-        ("", "line 1, column 1: found invalid JSON (Expecting value); expected valid JSON"),
-        (f'{{"Phone": {"9" * 5_000}}}', "found invalid JSON (Exceeds the limit"),
-        ("[" * 100_000, "found tables within tables, too deep to read"),
-        ('{"Phone\\u001b[2J": "quit"}', r'"Phone\u001b[2J": found an unknown state'),
+        ("{,}", "line 1, column 2: not valid JSON (Expecting property name enclosed in double quotes)"),
+        ("", "line 1, column 1: not valid JSON (Expecting value)"),
+        (f'{{"Phone": {"9" * 5_000}}}', "not valid JSON (Exceeds the limit"),
+        ("[" * 100_000, "tables are nested too deeply"),
+        ('{"Phone\\u001b[2J": "quit"}', r'"Phone\u001b[2J": unknown state'),
     ],
 )
 def test_a_fault_is_a_line_with_its_place(content: Any, fault: str, tmp_path: Path) -> None:
@@ -109,7 +110,7 @@ def test_all_faults_are_told_at_once_and_of_very_many_the_first(tmp_path: Path) 
     assert [line.split(":")[0] for line in said] == ["Class.study", 'Class."check phone"', "Phone", "Nowhere"]
     many = faults(tmp_path, {f"room {number}": "go" for number in range(150)})
     assert len(many) == 101
-    assert many[-1] == "more than 100 errors: fix these first"
+    assert many[-1] == "more than 100 errors; fix these first"
 
 
 def test_what_cannot_be_read_is_said(tmp_path: Path) -> None:
@@ -117,7 +118,7 @@ def test_what_cannot_be_read_is_said(tmp_path: Path) -> None:
         with pytest.raises(UserError, match=f"{path.name}: {found}; expected a JSON file"):
             read_policy(str(path), STUDENT)
     (tmp_path / "policy.json").write_bytes(b'{"Phone": "\xff"}')
-    with pytest.raises(UserError, match="line 1: found byte 0xff; expected text in UTF-8"):
+    with pytest.raises(UserError, match="line 1: byte 0xff is not UTF-8; save the file as UTF-8"):
         read_policy(str(tmp_path / "policy.json"), STUDENT)
 
 

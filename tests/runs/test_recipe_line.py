@@ -1,4 +1,4 @@
-"""The command line of a run, with its changes as text."""
+"""The command line of a run."""
 
 from __future__ import annotations
 
@@ -32,7 +32,6 @@ JOURNAL = (
 
 
 def done_again(line: str) -> dict[str, object]:
-    """Return the document of a printed line."""
     name, *words = shlex.split(line)
     assert name == "rl-tui"
     result = CliRunner().invoke(program, [*words, "--json"])
@@ -95,7 +94,7 @@ def test_a_session_that_was_gone_on_with_names_its_scenario_where_it_is_now(tmp_
     mine = recipe_for(read_scenario(path))
     path.write_text(text + "# changed", encoding="utf-8")
     for gone in (mine, recipe_for(scenario_of(text + "\n", Path("student.toml")))):
-        with pytest.raises(UserError, match=r"no file .* contains this scenario any more: save the session"):
+        with pytest.raises(UserError, match=r".* no longer contains this scenario: save the session"):
             recipe_line(gone, (), 5, ACTIONS)
 
 

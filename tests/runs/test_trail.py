@@ -1,8 +1,9 @@
-"""The trail of an episode equals the steps of a plain replay, for every way to the current step."""
+"""The trail of an episode."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import count
 
 import pytest
 from hypothesis import given, settings
@@ -34,16 +35,14 @@ from rl_tui.runs.run import Run
 from rl_tui.runs.timeline.trail import MOST_STEPS, Trail, TrailRecorder
 
 
-def begin_at_once(made_from: Recipe) -> Playback:
-    """A playback without delays, which trains in large chunks and keeps no states."""
-    playback = Playback(made_from, speed=None, automatic=False, clock=lambda: 0.0, on_exact=lambda: None)
+def begin_at_once(made_from: Recipe, clock: Callable[[], float] = lambda: 0.0) -> Playback:
+    playback = Playback(made_from, speed=None, automatic=False, clock=clock, on_exact=lambda: None)
     while playback.on_the_way:
         playback.work()
     return playback
 
 
 def plain_trail(made_from: Recipe, journal: tuple[JournalEntry, ...], steps: int) -> Trail:
-    """The trail of a run, built from every single step."""
     run = Run(made_from)
     recorder = TrailRecorder()
     for step in range(1, steps + 1):
@@ -173,3 +172,11 @@ def test_an_environment_that_is_stepped_has_the_trail_that_was_recorded() -> Non
     assert do(playback, Train(70)).trail == ()
     assert len(do(playback, Step()).trail) == 1
     assert do(playback, GoTo(5)).trail == after.trail
+
+
+def test_a_picture_of_a_stepped_environment_does_not_depend_on_the_speed_of_the_machine() -> None:
+    trails = set()
+    for tick in (0.0, 1e-4, 0.003, 0.02, 0.1):
+        playback = begin_at_once(recipe("mountain-car"), clock=(tick * each for each in count()).__next__)
+        trails.update(do(playback, Train(steps)).trail for steps in (1_603, 8))
+    assert sorted(map(len, trails)) == [0, 8]

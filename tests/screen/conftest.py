@@ -4,12 +4,14 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
 from functools import partial
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import pytest
-from textual._context import active_app
+from textual._context import active_app, visible_screen_stack
 from textual.css.model import RuleSet
 from textual.css.stylesheet import Stylesheet
 from textual.pilot import Pilot
+from textual.screen import Compositor
 
 from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Snapshot
@@ -45,7 +47,6 @@ async def _reached(call: Callable[[Callable[[], None]], bool]) -> None:
 
 
 async def _arranged(pilot: Pilot[Any]) -> None:
-    """Wait until the screen and its panels are arranged, and no new arrangement is pending."""
     arranged = pilot.app.screen.screen_layout_refresh_signal
     layouts = 0
 
@@ -64,10 +65,7 @@ async def _arranged(pilot: Pilot[Any]) -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def _keys_are_done_when_they_are() -> Iterator[None]:
-    """Let a pilot wait for the effects of its keys, not until the process seems idle.
-
-    The wait for idleness takes 1/25 of a second per key, and is too short on a busy machine.
-    """
+    """Let a pilot wait for the effects of its keys, not until the process seems idle (1/25 s per key)."""
     resize = Pilot.resize_terminal
 
     async def resize_and_arrange(pilot: Pilot[Any], width: int, height: int) -> None:
@@ -79,7 +77,7 @@ def _keys_are_done_when_they_are() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for module in ("app", "pilot"):
             patch.setattr(f"textual.{module}.wait_for_idle", all_done)
-        patch.setattr(Pilot, "resize_terminal", resize_and_arrange)
+        patch.setattr(Pilot, resize.__name__, resize_and_arrange)
         yield
 
 
@@ -97,13 +95,43 @@ def _styles_parsed_once() -> Iterator[None]:
         return known[key]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Stylesheet, "_parse_rules", parse_once)
+        patch.setattr(Stylesheet, parse.__name__, parse_once)
         yield
+
+
+@pytest.fixture(autouse=True)
+def _frames_wait_for_a_look(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw only when a test looks, and at the end of each app: no terminal takes the other frames.
+
+    ``--all`` draws all of them, as ``real_frames`` does, so that an error in any frame is seen.
+    """
+    draw, look = Compositor.render_update, Compositor.render_strips
+    beneath = WeakKeyDictionary[Compositor, Any]()  # the screens that show through
+
+    def later(self: Compositor, full: bool = False, screen_stack: Any = None, simplify: bool = False) -> Any:
+        if full:
+            return draw(self, full, screen_stack, simplify)
+        beneath[self] = screen_stack
+        self._dirty_regions.clear()
+        return None
+
+    def now(self: Compositor, size: Any = None) -> Any:
+        visible_screen_stack.set(beneath.get(self) or [])
+        return look(self, size)
+
+    if not request.config.option.all and "real_frames" not in request.fixturenames:
+        monkeypatch.setattr(Compositor, draw.__name__, later)
+        monkeypatch.setattr(Compositor, look.__name__, now)
+
+
+@pytest.fixture
+def real_frames() -> None:
+    """Draw every frame, as for people."""
 
 
 @pytest.fixture
 def make_app() -> MakeApp:
-    """Make an app that takes steps only on request: the playground of a scenario, or the start screen."""
+    """Make an app that takes steps only on request: of a scenario, or the start screen."""
 
     def make(scenario: str | None = None, *, seed: int = 0, **display: object) -> RlTuiApp:
         recipe = recipe_for(find(scenario), {}, seed) if scenario else None
@@ -117,7 +145,6 @@ def make_app() -> MakeApp:
 
 @pytest.fixture
 def is_typed(monkeypatch: pytest.MonkeyPatch) -> asyncio.Event:
-    """Set this event to let a player publish snapshots. Until then no world is on screen."""
     event, snapshots = asyncio.Event(), Player.snapshots
 
     async def late(player: Player) -> AsyncIterator[Snapshot]:

@@ -1,4 +1,4 @@
-"""Two ways to draw a map: with keys only, and with the mouse only."""
+"""Two ways to draw a map."""
 
 from __future__ import annotations
 
@@ -37,8 +37,6 @@ _PAINT = {".": ("full_stop", ". floor"), "#": ("number_sign", "# wall"), "S": ("
 
 @dataclass(frozen=True)
 class Plan:
-    """A map to be drawn: ``lines`` of brushes, and the rest cell by cell."""
-
     lines: tuple[str, ...]
     rewards: Mapping[float, Sequence[Cell]] = field(default_factory=dict)
     """Rewards of cells that differ from those of their brush."""
@@ -49,10 +47,7 @@ class Plan:
 
 
 def plan_of(scenario: str) -> Plan:
-    """Return the strokes for the map of ``scenario``.
-
-    Its file may use any characters for goals, holes and exits, and the table cannot distinguish them.
-    """
+    """A file may use any characters for goals, holes and exits."""
     draft = first_draft(find(scenario), 0)
     assert isinstance(draft, GridDraft)
     lines, rewards, jump = [], dict[float, list[Cell]](), None
@@ -82,26 +77,21 @@ def _brush_of(entry: LegendEntry) -> str:
 
 
 def app_of_template(template: str) -> RlTuiApp:
-    """The app with a blank world, as ``rl-tui edit`` opens it."""
     scenario = scenario_of(template_text(template), Path("my-world.toml"))
     return app_at(recipe_for(scenario))
 
 
 def map_drawn(pilot: Pilot[UserError]) -> GridDraft:
-    """The map on screen."""
     draft = snapshot(pilot).editor.draft
     assert isinstance(draft, GridDraft)
     return draft
 
 
 class Hands(ABC):
-    """Draws what a plan says."""
-
     def __init__(self, pilot: Pilot[UserError]) -> None:
         self.pilot = pilot
 
     async def draw(self, plan: Plan) -> None:
-        """Start drawing mode and draw everything."""
         await self.begin()
         rows, columns = len(plan.lines), len(plan.lines[0])
         await self.resize(rows - map_drawn(self.pilot).rows, "rows")
@@ -141,7 +131,6 @@ class Hands(ABC):
 
     @property
     def sliders(self) -> Sequence[Slider]:
-        """The sliders of the panel."""
         return playground(self.pilot).board.tools.sliders
 
 
@@ -221,7 +210,6 @@ class Mouse(Hands):
         return view
 
     def _look(self) -> None:
-        """Find the place of each cell."""
         view = self._view
         self._places = {}
         for y in range(view.size.height):
@@ -231,18 +219,15 @@ class Mouse(Hands):
                     self._places.setdefault(cell, (x + view.gutter.left, y + view.gutter.top))
 
     def offset(self, cell: Cell) -> tuple[int, int]:
-        """The place of ``cell`` in the view."""
         drawing = snapshot(self.pilot).world.drawing
         assert isinstance(drawing, Grid)
         return self._places[cell[0] * drawing.columns + cell[1]]
 
     async def tool(self, text: str) -> None:
-        """Click the tool with this label in the panel."""
         screen = self.pilot.app.screen
         await self._click_text(text, screen.query_one(ToolList), *screen.query(ToolRow))
 
     async def of_menu(self, label: str) -> None:
-        """Click the last row of the panel, then the menu row with this label."""
         rest = list(self.pilot.app.screen.query(ToolRow))[-1]
         await self.pilot.click(rest, offset=(1, rest.size.height - 1))
         await settle(self.pilot)
@@ -254,13 +239,12 @@ class Mouse(Hands):
         await self.pilot.click(widget, offset=(row.index(text), y))
 
     async def drag(self, widget: Widget, first: tuple[int, int], last: tuple[int, int]) -> None:
-        """Drag the pointer from one place of ``widget`` to another, too fast for any places between."""
+        """Drag from one place of ``widget`` to another, too fast for any places between."""
         await self.pilot.mouse_down(widget, offset=first)
         await self.pilot.hover(widget, offset=last)
         await self.pilot.mouse_up(widget, offset=last)
 
     async def wheel(self, widget: Widget, offset: tuple[int, int], notches: int) -> None:
-        """Turn the wheel up, or down if ``notches`` is negative."""
         kind = MouseScrollUp if notches > 0 else MouseScrollDown
         for _ in range(abs(notches)):
             x, y = widget.region.offset + offset
@@ -269,7 +253,7 @@ class Mouse(Hands):
         await self.pilot.pause()
 
     async def resize(self, by: int, what: str) -> None:
-        last, away = ("row below", "row away") if what == "rows" else ("column right", "column away")
+        last, away = ("row below", "remove row") if what == "rows" else ("column right", "remove column")
         await self.tool("A arrow")
         await self.pilot.click(self._view, offset=self.offset((1, 0) if what == "rows" else (0, 1)))
         for _ in range(abs(by)):

@@ -1,4 +1,4 @@
-"""Snapshots of a watched program made by hand: a script on the slippery lake."""
+"""Snapshots of a watched program made by hand."""
 
 from __future__ import annotations
 
@@ -21,9 +21,7 @@ from rl_tui.programs.evidence.verdict import (
     UpdateTarget,
 )
 from rl_tui.programs.watched.program_log import FoundTable, OutputLine, ProgramError
-from rl_tui.screen.panels.program.findings import FindingsPanel
-from rl_tui.screen.panels.program.output import OutputPanel
-from rl_tui.screen.panels.program.program import ProgramPanel
+from rl_tui.screen.kit.panel import Panel
 
 SOURCE = """import gymnasium as gym
 import numpy as np
@@ -78,7 +76,6 @@ TIES = CodeFinding(
 
 
 def program(**changes: Any) -> ProgramView:
-    """A script with a known update, and ``changes`` to its fields."""
     view = ProgramView(
         title="frozen_lake.py",
         environment="FrozenLake-v1",
@@ -96,12 +93,10 @@ def program(**changes: Any) -> ProgramView:
 
 
 def watched(view: ProgramView | None = None, step: int = 12_400, **changes: Any) -> Snapshot:
-    """A program on the slippery lake after some steps, with a known update and ``changes``."""
     return replace(changed(lake(step), **changes), program=view or program())
 
 
 def unknown(reason: str = "several cells moved in most steps", **changes: Any) -> Snapshot:
-    """A program with an unknown update: only the change of the cell is known."""
     picture = watched(program(verdict=ProgramVerdict(update=UpdateFound(reason=reason))))
     last = picture.counters.last_step
     moved = last.after - last.before
@@ -113,7 +108,6 @@ def unknown(reason: str = "several cells moved in most steps", **changes: Any) -
 
 
 def failed() -> Snapshot:
-    """A program that raised an exception."""
     error = ProgramError(
         "IndexError",
         "index 16 is out of bounds for axis 0 with size 16",
@@ -126,13 +120,8 @@ def failed() -> Snapshot:
 
 
 def drawn(
-    kind: type[ProgramPanel | FindingsPanel | OutputPanel],
-    snapshot: Snapshot | None,
-    width: int = 56,
-    height: int = 20,
-    **options: Any,
+    kind: type[Panel], snapshot: Snapshot | None, width: int = 56, height: int = 20, **options: Any
 ) -> str:
-    """The rows that a panel of a program draws for ``snapshot``."""
     panel = sized(kind(look(**options)), width, height)
     panel.snapshot = snapshot
     rows = panel.picture(snapshot, width, height)

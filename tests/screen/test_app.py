@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
 from functools import partial
@@ -9,7 +10,6 @@ import pytest
 from conftest import MakeApp
 from seams import notes, on_screen, screen_text, tap
 from textual.geometry import Region
-from textual.widgets import LoadingIndicator
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.player import Player
@@ -82,8 +82,8 @@ async def test_the_theme_changes_colours_and_the_actions_of_the_screen_are_found
         screen = pilot.app.screen
         assert isinstance(screen, Playground)
         before = screen.board.table.look.palette
-        pilot.app.theme = "light"
-        await settle(pilot)
+        await tap(pilot, "m", "c", "2")
+        assert pilot.app.theme == "light"
         assert screen.board.table.look.palette != before
         assert screen.board.table.look.palette == pilot.app.look.palette
         heading = next(iter(screen.board.controls.render_lines(Region(0, 0, 5, 1))[0]))
@@ -111,8 +111,9 @@ async def test_a_world_that_cannot_be_built_ends_what_play_started(tmp_path: Pat
     file.write_text(NOT_REGISTERED)
     recipe = recipe_for(read_scenario(file, ask_environment=False), {}, 0)
     app = RlTuiApp(Display(), recipe, make_player=partial(Player, automatic=False))
-    async with on_screen(app) as pilot:
-        await pilot.pause()
+    async with app.run_test():
+        while app.return_value is None:
+            await asyncio.sleep(0)
     assert app.return_code == 1
     assert isinstance(app.return_value, UserError)
     assert "Nowhere-v0" in str(app.return_value)
@@ -135,7 +136,7 @@ async def test_escape_leaves_a_run_with_steps_only_when_pressed_again(make_app: 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     app = make_app("student", ascii=True)
     async with on_screen(app) as pilot:
-        assert "v:[Q] Q*  visits - w h shows Q*" in screen_text(app)
+        assert "v:[Q] Q*  N - w h shows Q*" in screen_text(app)
         assert screen_text(app).isascii()
         for panel in app.screen.query(BoardPanel):  # as after narrowing, until it is fitted again
             panel.write_border("x" * 200, "x" * 200, app.look)
@@ -143,11 +144,8 @@ async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
         assert screen_text(app).isascii()
         await tap(pilot, "ctrl+p", *"xyzzy")
         assert screen_text(app).isascii()
-        await tap(pilot, "escape", "m", "c", *"xyzzy")  # few themes match: the dots have space below them
-        indicator = app.screen.query_one(LoadingIndicator).add_class("--visible")
-        while indicator.styles.visibility != "visible":  # like a search that takes half a second
-            await pilot.pause()
-        await settle(pilot)
+        await tap(pilot, "escape", "m", "c")
+        assert "Colours" in screen_text(app)
         assert screen_text(app).isascii()
         await pilot.press("escape")
         await pilot.resize_terminal(50, 15)

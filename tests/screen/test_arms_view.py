@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rich.style import Style
+from drawn_grids import style_at
 from sample_worlds import bandit_world
 from samples import answered, bandit, look
 from snapshots import changed
-from textual.strip import Strip
 
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.panels.arm_bars import (
@@ -22,13 +21,7 @@ from rl_tui.screen.panels.arm_bars import (
     shown_scale,
     ticks,
 )
-from rl_tui.screen.panels.arms import (
-    ArmsView,
-    arms_of,
-    noise_of_rewards,
-    standard_error,
-    true_means_now,
-)
+from rl_tui.screen.panels.arms import ArmsView, arms_of, noise_of_rewards, standard_error, true_means_now
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
@@ -71,7 +64,7 @@ def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:
     rows = [strip.text for strip in view.picture(bandit(), 60, 21)]
     assert [row[:3] for row in rows[:20:2]] == ["▸◉5" if arm == 5 else f"  {arm}" for arm in range(10)]
     assert all(row.strip() == "┊" for row in rows[1:20:2])
-    assert rows[20].split() == ["−2", "−1", "0", "1", "2"]
+    assert rows[20].split() == ["−2", "−1", "0", "1", "2", "Q", "pulls"], "the columns beside the bars too"
     assert rows[20].index("0") == rows[1].index("┊")
     assert "…" not in view.footing
 
@@ -235,24 +228,7 @@ def test_arms_have_one_to_three_rows_if_one_is_left_for_the_axis(height: int, ro
     assert [y for y, row in enumerate(drawn) if row[2].isdigit()] == list(range(0, 10 * rows, rows))
 
 
-@pytest.mark.parametrize("size", [(1, 1), (2, 3), (5, 2), (12, 11), (40, 4), (80, 24), (200, 60)])
-@pytest.mark.parametrize("plain", [False, True])
-def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
-    width, height = size
-    odd = changed(bandit(), q=np.array([np.nan, np.inf, -np.inf, 1e15, *[0.0] * 6]))
-    for snapshot in (bandit(), bandit(pulls=0), odd):
-        view = ArmsView(snapshot.world, look(plain, "none" if plain else "truecolor"))
-        strips = view.picture(answered(snapshot, not plain), width, height)
-        assert [strip.cell_length for strip in strips] == [width] * height
-        assert all(segment.style is not None for strip in strips for segment in strip)
-
-
-def style_at(strip: Strip, column: int) -> Style | None:
-    return next(iter(strip.crop(column, column + 1))).style
-
-
 def two_valued(q: tuple[float, ...]) -> Snapshot:
-    """Arms that pay 1 with probability .2, .5 and .9, otherwise 0."""
     mdp = tabular_mdp(
         ("bandit",),
         ("0", "1", "2"),

@@ -1,4 +1,4 @@
-"""The place of every panel on the screen, checked without a screen."""
+"""The place of every panel."""
 
 from __future__ import annotations
 
@@ -59,9 +59,7 @@ CARDS = replace(
 TOWN = Title(-1, 0, 5, "R→R")
 SHAPES = MAPS | {
     "taxi": Shape(
-        replace(grid(29, 23, legend="rows: taxi"), axes=Axes(("",) * 29, ("",) * 23, (TOWN,))),
-        400,
-        6,
+        replace(grid(29, 23, legend="rows: taxi"), axes=Axes(("",) * 29, ("",) * 23, (TOWN,))), 400, 6
     ),
     "cart pole": Shape(grid(6, 12, legend="rows: angle"), 72, 2),
     "bins of a body": Shape(BINS, 72, 2),
@@ -126,7 +124,6 @@ def arranged(shape: Shape, state: str, size: Size) -> Arrangement:
 
 
 def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
-    """Assert no overlap, everything between header and keys, and the requested panels present."""
     case = state, size, place
     asked, changes = STATES[state]
     is_big = asked.get("zoomed") in WORLDS  # without a header
@@ -160,16 +157,16 @@ CASES = list(product(range(len(WIDTHS)), range(len(HEIGHTS)), SHAPES, STATES))
 
 
 @pytest.mark.parametrize(
-    "step", [10, pytest.param(1, marks=pytest.mark.exhaustive("checks every arrangement", but=()))]
+    "step", [61, pytest.param(1, marks=pytest.mark.exhaustive("checks every arrangement"))]
 )
 def test_nothing_overlaps_nothing_stands_outside_and_what_is_open_is_there(step: int) -> None:
-    for column, row, name, state in CASES[:: step + (step > 1)]:
+    # 61 has no factor in common with the lists, so every 61st case has all shapes and states at many sizes
+    for column, row, name, state in CASES[::step]:
         size = Size(WIDTHS[column], HEIGHTS[row])
         check(arranged(SHAPES[name], state, size), SHAPES[name], state, size)
 
 
 def share(shape: Shape, size: Size) -> int:
-    """The map's share of the screen, in percent."""
     assert isinstance(shape.drawing, Grid)
     cell = arrange(size, shape).cell
     return round(100 * cell.area * shape.drawing.rows * shape.drawing.columns / size.area)
@@ -282,7 +279,7 @@ def test_a_panel_of_charts_has_the_lower_band_where_it_is_roomy_else_the_right_c
     lake = MAPS["lake"]
     assert arrange(Size(120, 40), lake, "discount", wide_rows=15).regions["discount"] == (2, 20, 116, 16)
     assert arrange(Size(80, 24), lake, "discount", wide_rows=15).regions["discount"] == (39, 1, 40, 22)
-    assert arrange(Size(60, 18), lake, "discount", wide_rows=15).regions == {"discount": (0, 1, 60, 16)}
+    assert arrange(Size(60, 18), lake, "discount", wide_rows=15).regions == {"discount": (1, 1, 58, 16)}
 
 
 @pytest.mark.parametrize(("panel", "cell"), [(MANY_SEEDS, (13, 5)), (DISCOUNT, (11, 4))])
@@ -318,10 +315,10 @@ def test_a_wide_map_beside_a_panel_is_larger_than_the_curve(
     assert 4 * cell[1] > place.regions[CURVE].height
 
 
-@pytest.mark.parametrize(("name", "state"), product(SHAPES, ["panel", "drawing", "drawing, panel"]))
-def test_a_curve_beside_a_panel_is_low(name: str, state: str) -> None:
-    for size, most in (((80, 24), 5), ((100, 30), 5), ((120, 40), 10), ((160, 50), 10)):
-        assert arranged(SHAPES[name], state, Size(*size)).regions[CURVE].height <= most
+@pytest.mark.parametrize(("size", "most"), [((80, 24), 5), ((100, 30), 5), ((120, 40), 10), ((160, 50), 10)])
+def test_a_curve_beside_a_panel_is_low(size: tuple[int, int], most: int) -> None:
+    for name, state in product(SHAPES, ["panel", "drawing", "drawing, panel"]):
+        assert arranged(SHAPES[name], state, Size(*size)).regions[CURVE].height <= most, (name, state)
 
 
 @pytest.mark.parametrize("state", ["plain", "lesson"])
@@ -332,15 +329,15 @@ def test_at_80x24_the_table_shows_ten_arms(state: str) -> None:
 @pytest.mark.parametrize(
     ("name", "cell", "columns"), [("lake", (9, 4), 40), ("cliff", (3, 2), 40), ("maze", (4, 2), 40)]
 )
-def test_at_80x24_a_page_that_points_at_the_world_has_a_small_map(
+def test_at_80x24_a_page_that_points_at_the_world_or_at_nothing_has_a_small_map(
     name: str, cell: tuple[int, int], columns: int
 ) -> None:
     place = arranged(MAPS[name], "lesson, looked at", Size(80, 24))
+    assert place == arranged(MAPS[name], "lesson, read", Size(80, 24))
     assert place.cell == cell
     assert place.regions.keys() == {WORLD, LESSON}
     assert place.regions[LESSON].width == columns
     assert place.regions[WORLD].bottom <= 18
-    assert arranged(MAPS[name], "lesson, read", Size(80, 24)).regions.keys() == {LESSON}
     assert arranged(MAPS[name], "lesson, looked at", Size(60, 18)).regions.keys() == {LESSON}
 
 

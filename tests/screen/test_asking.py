@@ -1,11 +1,11 @@
-"""? explains the word under the mouse. Elsewhere it shows the keys, then the words of the focused panel."""
+"""? explains the word under the mouse."""
 
 from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
 from samples import answered, bandit, lake, look
-from seams import on_screen, order, playground, press, slider, tap, train
+from seams import on_screen, order, playground, press, screen_text, slider, tap, train
 from snapshots import changed
 from textual.containers import VerticalScroll
 from textual.geometry import Region
@@ -24,7 +24,7 @@ from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.row import LAST_STEP
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.screen.panels.model.pair import SECRET
+from rl_tui.screen.panels.model import SECRET
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.playground import Playground
 
@@ -33,17 +33,14 @@ TERMS = {row.id: list(row.terms) for row in PANELS}
 
 
 def listed(pilot: Pilot[UserError]) -> list[str]:
-    """The ids of the listed words."""
     return [str(option.id) for option in pilot.app.screen.query_one(OptionList).options]
 
 
 def told(pilot: Pilot[UserError]) -> str:
-    """The visible paragraph."""
     return str(pilot.app.screen.query_one("#paragraph Static", Static).render())
 
 
 async def point_at(pilot: Pilot[UserError], panel: str, text: str) -> None:
-    """Put the mouse on ``text`` in the drawing of ``panel``, without its border."""
     widget = playground(pilot).board.panel(panel)
     for y in range(widget.size.height):
         x = widget.render_line(y).text.find(text)
@@ -138,6 +135,7 @@ async def test_the_pages_of_the_start_screen_begin_at_their_beginning_and_words_
             await tap(pilot, "question_mark", "3")
             assert isinstance(pilot.app.screen, HelpScreen)
             assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0, height
+            assert "◔ opened, ◑ run, ● optimal policy found" in screen_text(pilot.app)
             await tap(pilot, "escape")
         await tap(pilot, "question_mark", "2")
         assert isinstance(pilot.app.screen, GlossaryScreen)

@@ -1,4 +1,4 @@
-"""The key S maps the neighbourhood of the current settings; enter opens the run of a cell."""
+"""The settings map and its keys."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from conftest import MakeApp
 from seams import on_screen, playground, press, screen_text, snapshot
 
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.atlas.atlas import AtlasDialog, AtlasScene, cell_line, draw_map, head, legend, plan_of
+from rl_tui.screen.atlas.atlas import AtlasDialog, AtlasScene, MapPicture, cell_line, head, legend
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.screen.theme.look import Look, palette_for
 from rl_tui.studies.atlas import request as atlas_request
@@ -44,7 +44,7 @@ PART = Atlas(
 
 
 def lines(drawn: AtlasScene, width: int = 40, height: int = 8) -> list[str]:
-    return [strip.text.rstrip() for strip in draw_map(plan_of(drawn, width, height)).strips()]
+    return [strip.text.rstrip() for strip in MapPicture(drawn, width, height).drawn().strips()]
 
 
 def test_the_map_has_a_number_or_a_sign_in_every_cell() -> None:
@@ -57,6 +57,13 @@ def test_the_map_has_a_number_or_a_sign_in_every_cell() -> None:
     assert "0.250" in text[5]
     assert "fails" in text[5]
     assert text[7].split() == ["0.1", "0.5", "1"]
+
+
+def test_the_narrowest_cells_have_room_for_three_digits_and_a_sign() -> None:
+    far = replace(PART, cells={1: cell(-447.0), 4: cell(-702.0), 5: cell(-56.0)})
+    text = lines(scene(far), width=19)
+    assert "-702*" in text[2].replace("−", "-")
+    assert "-447" in text[5].replace("−", "-")
 
 
 def test_in_ascii_it_is_ascii() -> None:
@@ -75,7 +82,7 @@ def test_colours_go_from_the_worst_to_the_best() -> None:
 
 @pytest.mark.parametrize(("width", "height"), [(76, 15), (116, 22), (40, 8)])
 def test_each_cell_is_found_where_it_is_drawn(width: int, height: int) -> None:
-    plan = plan_of(scene(PART), width, height)
+    plan = MapPicture(scene(PART), width, height)
     for index in range(GRID.count):
         x, y = plan.place(index)
         assert plan.cell_at(x, y) == plan.cell_at(x + plan.field - 1, y + plan.tall - 1) == index

@@ -1,6 +1,8 @@
-"""The look of cursors and breakpoints, in the world and in the table, in every form."""
+"""The look of cursors and breakpoints."""
 
 from __future__ import annotations
+
+from itertools import product
 
 import numpy as np
 import pytest
@@ -31,7 +33,6 @@ def stopping(snapshot: Snapshot, states: tuple[int, ...] = (), pairs: tuple[int,
 
 
 def pointing(view: WorldView, place: int, snapshot: Snapshot) -> WorldView:
-    """``view`` with the cursor of another panel on ``place``, drawn like its own."""
     view.snapshot = snapshot
     view.point_at(view.pairs_at(place))
     return view
@@ -44,7 +45,6 @@ def style_at(strip: Strip, column: int) -> Style:
 
 
 def marks(strips: list[Strip], style: Style) -> list[tuple[int, int, str]]:
-    """Row, column and character of every cell in ``style``."""
     found = []
     for row, strip in enumerate(strips):
         column = 0
@@ -236,13 +236,11 @@ def test_the_table_shows_where_the_cursor_of_the_world_stands() -> None:
 
 
 @pytest.mark.parametrize("depth", ["truecolor", "256", "16", "none"])
-@pytest.mark.parametrize("dark", [True, False])
-@pytest.mark.parametrize("plain", [True, False])
-def test_a_breakpoint_is_seen_in_every_depth(depth: str, dark: bool, plain: bool) -> None:
-    chosen = look(plain, depth, dark)
-    style = chosen.palette.breakpoint
-    assert style not in (chosen.palette.focus, chosen.palette.agent, chosen.palette.updated)
-    for snapshot in (lake(), student(), bandit(500)):
+def test_a_breakpoint_is_seen_in_every_depth(depth: str) -> None:
+    for dark, plain, snapshot in product((True, False), (True, False), (lake(), student(), bandit(500))):
+        chosen = look(plain, depth, dark)
+        style = chosen.palette.breakpoint
+        assert style not in (chosen.palette.focus, chosen.palette.agent, chosen.palette.updated)
         stops = stopping(snapshot, states=(0, 2) if snapshot.world.space.states > 1 else (), pairs=(2,))
         view = make_world_view(stops.world, chosen)
         for strips in (view.picture(stops, 60, 19), table_strips(stops, 56, 17, chosen)):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from lane_samples import side_by_side
-from samples import answered, bandit, lake, look
+from samples import answered, bandit, look
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.bandit import BanditFigures
@@ -82,14 +82,6 @@ def test_sums_beside_one_another_have_as_many_decimals() -> None:
     text = drawn(bandit(bandit=figures), revealed=True)
     assert "winnings  70 " in text
     assert "regret    12 " in text
-
-
-@pytest.mark.parametrize("snapshot", [None, lake(), bandit(0), bandit(400), bandit()])
-def test_it_fits_any_size(snapshot: Snapshot | None) -> None:
-    for width in (1, 8, 20, 34, 54, 100):
-        for height in (1, 2, 4, 10):
-            drawn(snapshot, width, height, revealed=True)
-            drawn(snapshot, width, height)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 from conftest import MakeApp
 from drawn_text import rows_of, words_of
 from numpy.random import Generator
-from seams import app_at, notes, on_screen, screen_text, tap
+from seams import app_at, click, notes, on_screen, screen_text, tap
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
@@ -64,7 +64,6 @@ async def go_to(pilot: Pilot[UserError], scenario: str) -> None:
 
 
 async def shown_once(pilot: Pilot[UserError], holds: Callable[[Snapshot], object]) -> Snapshot:
-    """The first snapshot of the playground that meets the condition."""
     while True:
         await pilot.pause()
         screen = pilot.app.screen
@@ -77,7 +76,6 @@ def facts(pilot: Pilot[UserError]) -> str:
 
 
 def heading(pilot: Pilot[UserError]) -> str:
-    """The heading of the details."""
     return words_of(pilot.app.screen.query_one("#heading")).rstrip("─- ")
 
 
@@ -85,7 +83,9 @@ def doors(pilot: Pilot[UserError]) -> Doors:
     return pilot.app.screen.query_one(Doors)
 
 
-async def test_it_begins_on_the_second_door_above_scenarios_in_teaching_order(make_app: MakeApp) -> None:
+async def test_it_begins_on_the_second_of_its_doors_above_scenarios_in_teaching_order_under_headings(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app()) as pilot:
         options = scenarios(pilot).options
         assert [option.id for option in options if not option.disabled] == [each.id for each in shipped()]
@@ -104,14 +104,16 @@ async def test_it_begins_on_the_second_door_above_scenarios_in_teaching_order(ma
         assert doors(pilot).has_focus
         await tap(pilot, "3")
         assert "Nothing to continue yet" in notes(pilot.app)[-1]
-
-
-async def test_minutes_are_those_of_the_next_page_and_five_lessons_are_the_core_course(
-    make_app: MakeApp,
-) -> None:
-    lessons = read_lessons().lessons
-    assert sum(lesson.is_core for lesson in lessons) == 5
-    async with on_screen(make_app(), (120, 40)) as pilot:
+        await click(pilot, Doors, offset=(5, 0))
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        await tap(pilot, "escape")
+        lines = screen_text(pilot.app).splitlines()
+        for group, unit in (("Begin here", "size"), ("Bandits", "arms")):
+            assert next(line for line in lines if group in line)[:31].rstrip(" │").endswith(f" {unit}")
+        lessons = read_lessons().lessons
+        assert sum(lesson.is_core for lesson in lessons) == 5
+        await pilot.resize_terminal(120, 40)
+        await settle(pilot)
         assert f"core 0/5 · {minutes_of_page(lessons[0])} min a page" in words_of(doors(pilot))
 
 
@@ -149,14 +151,9 @@ async def test_a_kiosk_has_three_doors_and_writes_no_world() -> None:
             assert isinstance(app.screen, CatalogueScreen)
 
 
-async def test_a_click_on_a_door_goes_through_it(make_app: MakeApp) -> None:
-    async with on_screen(make_app()) as pilot:
-        await pilot.click(Doors, offset=(5, 0))
-        await settle(pilot)
-        assert isinstance(pilot.app.screen, LessonsScreen)
-
-
-async def test_a_filter_keeps_the_rows_with_its_words_and_escape_gives_all_back(make_app: MakeApp) -> None:
+async def test_a_filter_keeps_the_rows_with_its_words_and_keys_and_escape_gives_all_back(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app()) as pilot:
         await go_to(pilot, "cliff")
         await tap(pilot, "slash", *"8x8")
@@ -171,15 +168,7 @@ async def test_a_filter_keeps_the_rows_with_its_words_and_escape_gives_all_back(
             each.id for each in shipped()
         ]
         assert heading(pilot) == find("frozenlake-8x8-slippery").title
-        await tap(pilot, "slash", *"king's", "enter")
-        assert isinstance(pilot.app.screen, Playground)
-        assert pilot.app.screen.recipe.scenario.id == "windy-king"
-
-
-async def test_a_filter_keeps_the_tab_key_and_a_second_slash_and_tells_of_nothing_where_nothing_is_found(
-    make_app: MakeApp,
-) -> None:
-    async with on_screen(make_app(), (120, 40)) as pilot:
+        await pilot.resize_terminal(120, 40)
         await tap(pilot, "slash", *"8x8", "tab", "shift+tab")
         assert isinstance(pilot.app.focused, FilterInput)
         scenarios(pilot).focus()
@@ -193,6 +182,9 @@ async def test_a_filter_keeps_the_tab_key_and_a_second_slash_and_tells_of_nothin
         assert scenarios(pilot).has_focus
         assert len([each for each in scenarios(pilot).options if not each.disabled]) == len(shipped())
         assert heading(pilot) == find("frozenlake").title
+        await tap(pilot, "slash", *"king's", "enter")
+        assert isinstance(pilot.app.screen, Playground)
+        assert pilot.app.screen.recipe.scenario.id == "windy-king"
 
 
 async def test_a_filter_finds_lessons_and_words_too(make_app: MakeApp) -> None:
@@ -254,6 +246,27 @@ async def test_where_pictures_move_it_goes_from_moment_to_moment(
                 seen.add(shown)
                 await pilot.pause()
     assert len(seen) > 3
+
+
+async def test_what_arrives_while_the_screen_closes_harms_nothing(make_app: MakeApp) -> None:
+    app = make_app()
+    app.ticks = 15.0
+    async with on_screen(app, (120, 40)) as pilot:
+        screen, details = app.screen, app.screen.query_one(Details)
+        assert isinstance(screen, CatalogueScreen)
+        await go_to(pilot, "cliff")
+        await details.remove_children()  # Textual removes a closing screen from its leaves up
+        details.take_moments(
+            find("bandit"), moments_of(find("bandit"), find("bandit").build(streams(0).world))
+        )
+        details.show(find("bandit"), None, [], [])
+        taken = list[int]()
+        await tap(pilot, "enter")
+        assert isinstance(app.screen, Playground)
+        screen.deliver(taken.append, 1)
+        screen.show_current()
+        await settle(pilot)
+        assert not taken
 
 
 async def test_a_row_that_is_left_and_taken_again_before_its_run_is_made_plays_it_once(
@@ -429,7 +442,6 @@ async def test_those_of_the_user_stand_in_a_group_of_their_own_and_faulty_ones_w
 
 
 async def test_the_second_door_watches_the_plain_lake_learn() -> None:
-    """With no other key it reaches its first reward, with the defaults of the scenario."""
     player = partial(Player, clock=lambda: 20 * time.perf_counter())
     app = RlTuiApp(Display(fps=1000.0), make_player=player, picture=True)
     async with app.run_test(size=(60, 18)) as pilot:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 from drawn_grids import style_at
@@ -23,7 +25,6 @@ from rl_tui.worlds.world import World
 
 
 def random_walk(**changes: object) -> Snapshot:
-    """The random walk of five states after some steps, with visible exact values."""
     run = Run(recipe_for(find("random-walk"), {}, 0), evaluate=False)
     assert run.world.mdp is not None
     answer = Answer(exact_solution(run.world.mdp, 1.0), "")
@@ -32,7 +33,6 @@ def random_walk(**changes: object) -> Snapshot:
 
 
 def choices(states: int = 7) -> Snapshot:
-    """States with the choice of left or right. The ends pay −1 and +1; right is better everywhere."""
     mdp = tabular_mdp(
         [f"s{state}" for state in range(states)],
         ("left", "right"),
@@ -117,12 +117,9 @@ def test_where_boxes_have_no_room_the_actions_are_listed() -> None:
 
 
 @pytest.mark.parametrize("plain", [False, True])
-@pytest.mark.parametrize(
-    "size", [(14, 1), (14, 2), (15, 3), (28, 4), (43, 8), (58, 8), (69, 11), (146, 11), (240, 20)]
-)
-def test_no_label_is_cut_and_every_size_is_filled(size: tuple[int, int], plain: bool) -> None:
-    width, height = size
-    for snapshot in (random_walk(), choices()):
+def test_no_label_is_cut_and_every_size_is_filled(plain: bool) -> None:
+    sizes = (14, 1), (14, 2), (15, 3), (28, 4), (43, 8), (58, 8), (69, 11), (146, 11), (240, 20)
+    for snapshot, (width, height) in product((random_walk(), choices()), sizes):
         view = GraphView(snapshot.world, look(plain, "none" if plain else "truecolor"))
         strips = view.picture(snapshot, width, height)
         assert [strip.cell_length for strip in strips] == [width] * height

@@ -1,4 +1,4 @@
-"""The dialog of several runs: its content, questions and refusals. Other tests cover its results."""
+"""The dialog of several runs."""
 
 from __future__ import annotations
 
@@ -19,9 +19,8 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.dialogs.compare_lanes import RunTable
+from rl_tui.screen.dialogs.compare_lanes import RunTable, lane_changes, what_may_differ
 from rl_tui.screen.dialogs.form import Choice, Prompt
-from rl_tui.screen.dialogs.lane_changes import lane_changes, what_may_differ
 from rl_tui.screen.playground.actions.lanes import ONE_RUN
 from rl_tui.worlds.files.catalogue import find
 
@@ -82,7 +81,6 @@ def rows(pilot: Pilot[UserError]) -> list[str]:
 
 
 async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Show several runs, the second one on screen, and return the list that receives all commands."""
     screen, sent = playground(pilot), list[Command]()
     monkeypatch.setattr(screen.link, "send", sent.append)
     before = screen.snapshot
@@ -218,6 +216,19 @@ async def test_in_a_narrow_terminal_each_run_keeps_to_its_row_and_four_are_the_m
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert "softmax, τ 0.3" in rows(pilot)[4]
+
+
+async def test_the_menu_and_the_message_name_the_run_that_ends(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
+        await beside(pilot, 2, monkeypatch)
+        group = snapshot(pilot).run_group
+        number, name = group.shown + 1, group.lanes[group.shown].name
+        await pilot.press("c")
+        assert f"end run {number}: {name}" in " ".join(screen_text(pilot.app).split())
+        await pilot.press("e")
+        assert notes(pilot.app)[-1] == f"Run {number} has ended: {name}."
 
 
 async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:

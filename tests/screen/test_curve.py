@@ -1,19 +1,23 @@
-"""The words and numbers of the curve: its heading, its labels, and its texts without a plot."""
+"""The words and numbers of the curve."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
+from conftest import MakeApp
 from drawn_curves import NARROW, NO_MARKS, drawn, flat
 from lane_samples import lane_views
 from samples import answered, bandit, curve, lake, look, planning, stepped_lake, student
+from seams import on_screen, playground, screen_text, train
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.results import Curve
@@ -32,7 +36,6 @@ def has_area(text: str) -> bool:
 
 
 def label(text: str, name: str) -> str | None:
-    """The number after ``name`` right of the plot, or None."""
     ends = [line.split() for line in text.splitlines()]
     return next((each[-1] for each in ends if name in each[-3:-1]), None)
 
@@ -119,6 +122,12 @@ def test_before_the_first_episode_it_says_what_to_do() -> None:
     assert words.NOTHING_YET["pull"][0] in drawn(bandit(0))[0]
 
 
+def test_of_a_program_that_ended_without_an_episode_no_key_is_named() -> None:
+    text = drawn(changed(lake(0), program=ProgramView("a.py", "FrozenLake-v1", ended=True)), (80, 13))[0]
+    assert " ".join(words.NOTHING_EVER) in text
+    assert "space" not in text
+
+
 def test_one_action_is_no_tie() -> None:
     space = all_pairs(("A", "B"), ("go",), 0)
     snapshot = lake(q=np.zeros(2), greedy_return=0.5)
@@ -171,7 +180,6 @@ def test_returns_of_zero_where_rewards_may_cancel_out_are_not_called_no_reward()
 
 
 def of_steps(**changes: Any) -> Snapshot:
-    """A run whose returns are all 1 and whose episodes become shorter."""
     ends, one = np.arange(1, 101), np.ones(100)
     lengths = np.linspace(400.0, 16.0, 100)
     usual = {"episodes": 100, "greedy_return": 1.0, "return_last_100": 1.0, "length_last_100": 208.0}
@@ -217,6 +225,36 @@ def test_the_axis_of_steps_is_not_kept_for_returns() -> None:
     assert widget.scale.high <= 1.0
 
 
+def test_the_axis_of_steps_never_begins_below_zero() -> None:
+    widget = ReturnCurve(look())
+    many = changed(of_steps(), phase=Phase.RUNNING)
+    widget.picture(many, 60, 9)
+    few = replace(many.results.curve, length_mean=np.linspace(40.0, 16.0, 100))
+    widget.picture(changed(many, curve=few), 60, 9)
+    assert (widget.scale.low, widget.scale.high) == (0.0, 45.0)
+
+
+def test_while_a_lesson_holds_the_run_it_names_the_key_that_helps() -> None:
+    text, _ = drawn(changed(lake(0), kept_back=frozenset({"run"})), (80, 13))
+    assert words.PREDICT in text
+    assert "space" not in text
+
+
+async def test_where_actions_are_no_choice_the_curve_shows_the_error_of_v(make_app: MakeApp) -> None:
+    async with on_screen(make_app("random-walk"), (120, 40)) as pilot:
+        curve = playground(pilot).board.curve
+        shown = await train(pilot, 1_500)
+        assert curve.head.startswith("Error")
+        assert "RMS of V" in curve.head
+        text = screen_text(pilot.app)
+        errors = shown.value_errors
+        assert errors is not None
+        assert errors.step[-1] == 1_500
+        assert errors.error[0] > errors.error[-1] > 0.0
+        assert f"error{errors.error[-1]:.2f}".replace("0.", ".") in text.replace(" ", "")
+        assert "optimal" not in text
+
+
 def test_a_pull_has_one_step_only() -> None:
     same = flat(1.0)
     assert (
@@ -258,17 +296,6 @@ def test_a_hidden_optimum_does_not_show_in_the_axis() -> None:
 # Any size, any run
 
 
-@pytest.mark.parametrize(
-    "snapshot", [None, lake(), lake(0), student(), bandit(0), bandit(400), bandit(), of_steps()]
-)
-@pytest.mark.parametrize("ascii", [False, True])
-def test_it_fits_any_size(snapshot: Snapshot | None, ascii: bool) -> None:  # noqa: A002
-    for width in (1, 2, 5, 13, 14, 20, 30, 50, 120):
-        for height in (1, 2, 3, 5, 12, 30):
-            text, _ = drawn(snapshot, (width, height), ascii=ascii)
-            assert not ascii or text.isascii()
-
-
 def test_keys_may_take_the_place_of_the_caption() -> None:
     widget = ReturnCurve(look())
     widget.hints = ("← →: move · pgup pgdn: a tenth", "← →: move")
@@ -297,16 +324,13 @@ def test_a_stepped_world_has_the_episodes_alone() -> None:
     assert words.OPTIMAL not in text
 
 
-@pytest.mark.parametrize("phase", [Phase.PAUSED, Phase.RUNNING])
-@pytest.mark.parametrize("width", [24, 40, 60, 120])
 @pytest.mark.parametrize(
     ("make", "name"), [(lake, words.RETURN), (bandit, words.REWARD), (planning, words.SWEEPS)]
 )
-def test_the_title_names_one_quantity_at_every_size(
-    make: Callable[[], Snapshot], name: str, width: int, phase: Phase
-) -> None:
+def test_the_title_names_one_quantity_at_every_size(make: Callable[[], Snapshot], name: str) -> None:
     lanes = tuple(replace(lane, algorithm=make().agent.algorithm) for lane in lane_views(2))
-    for snapshot in (make(), changed(make(), lanes=lanes)):
+    phases = Phase.PAUSED, Phase.RUNNING
+    for snapshot, phase, width in product((make(), changed(make(), lanes=lanes)), phases, (24, 40, 60, 120)):
         _, widget = drawn(changed(snapshot, phase=phase, speed=None), (width, 8))
         assert widget.heading.split(" · ")[0] == name
 
@@ -321,14 +345,6 @@ def test_the_title_is_right_before_the_world_is_there() -> None:
         widget.begin_with(recipe_for(find(scenario), changes, 0))
         widget.picture(None, 60, 8)
         assert widget.heading == name
-
-
-@pytest.mark.parametrize("make", [planning, stepped_lake])
-@pytest.mark.parametrize("ascii", [False, True])
-def test_they_fit_any_size(make: Callable[[], Snapshot], ascii: bool) -> None:  # noqa: A002
-    for width in (1, 5, 14, 30, 60, 120):
-        for height in (1, 3, 6, 20):
-            drawn(make(), (width, height), ascii=ascii)
 
 
 def test_the_cost_of_exploring_is_that_of_any_policy() -> None:

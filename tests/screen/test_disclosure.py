@@ -1,11 +1,10 @@
-"""Visible panels: they appear one by one as they become useful, or as a lesson's page says."""
+"""Panels appear as they become useful."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from conftest import MakeApp
 from lesson_texts import TEXT
 from seams import app_at, on_screen, order, playground, press, screen_text, snapshot, tap, train
@@ -62,18 +61,20 @@ async def test_all_panels_are_a_key_away_and_that_is_remembered(make_app: MakeAp
     assert not LegendSwitch(tmp_path).shows_all_panels
 
 
-@pytest.mark.parametrize("size", [(120, 40), (80, 24)], ids=["120", "80"])
-async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before(size: tuple[int, int]) -> None:
+async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before() -> None:
     lesson = lesson_of(TEXT.replace('id = "start"\n', 'id = "start"\npanels = ["world"]\n'), Path("l.toml"))
     first = lesson.pages[0].id
     assert {lesson.panels_of(page.id) for page in lesson.pages} == {frozenset({WORLD})}
     later = replace(lesson, pages=(lesson.pages[0].model_copy(update={"panels": None}), *lesson.pages[1:]))
     assert later.panels_of(first) is None
-    async with on_screen(app_at(recipe_of(lesson, "evening")), size) as pilot:
+    async with on_screen(app_at(recipe_of(lesson, "evening")), (120, 40)) as pilot:
         await order(pilot, KeepLesson(begun(lesson)))
-        assert in_view(pilot) == {WORLD}
-        assert playground(pilot).board.shows(LESSON)
-        assert playground(pilot).board.lesson.is_docked, "the page is beside the world at any of these sizes"
+        for size in ((120, 40), (80, 24)):
+            await pilot.resize_terminal(*size)
+            await settle(pilot)
+            assert in_view(pilot) == {WORLD}
+            assert playground(pilot).board.shows(LESSON)
+            assert playground(pilot).board.lesson.is_docked, "the page is beside the world"
 
 
 def test_a_page_names_its_panels_and_all_are_a_key_away_everywhere() -> None:
@@ -124,22 +125,24 @@ def text_of(pilot: Pilot[UserError], row: int) -> str:
     return screen_text(pilot.app).splitlines()[row].strip()
 
 
-@pytest.mark.parametrize("size", [(120, 40), (80, 24), (60, 18)], ids=["120", "80", "60"])
-async def test_a_caption_says_what_is_learned(size: tuple[int, int], make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake", panels="few"), size) as pilot:
-        row = size[1] - 2
-        said = [text_of(pilot, row)]
+async def test_a_caption_says_what_is_learned(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels="few"), (60, 18)) as pilot:
+        said = [text_of(pilot, 16)]
         for steps in (1, 600, 8_000):
             await train(pilot, steps)
-            said.append(text_of(pilot, row))
+            said.append(text_of(pilot, 16))
         assert said[:2] == [
             "Nothing is learned yet: no step was taken.",
             "Nothing is learned yet: that begins with the first reward.",
         ]
         assert said[3] == "Optimal policy found: no other policy is better."
-        await press(pilot, "f")
-        assert text_of(pilot, row) == said[3], "it stays where it is"
-        await press(pilot, "f", "m", "p")
+        for width, height in ((60, 18), (80, 24), (120, 40)):
+            await pilot.resize_terminal(width, height)
+            await settle(pilot)
+            for keys in ("f", "f"):
+                await press(pilot, keys)
+                assert text_of(pilot, height - 2) == said[3], "it stays where it is"
+        await press(pilot, "m", "p")
         assert said[3] not in screen_text(pilot.app)
 
 

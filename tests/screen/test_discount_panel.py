@@ -1,10 +1,11 @@
-"""The panel of γ: Q*(γ) of one state, its crossings, and the flip points with their returns."""
+"""The panel of γ."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -98,10 +99,7 @@ def test_what_turns_in_the_state_shown_is_told_first() -> None:
     assert of_0.index(first) < of_0.index(second)
     assert of_2.index(second) < of_2.index(first)
     here = [line.split()[0] for line in of_2.splitlines() if "earns" in line]
-    assert here == [
-        f"{UNICODE.flip}{UNICODE.change_mark}.809",
-        f"{UNICODE.flip}{UNICODE.change_mark}.978",
-    ]
+    assert here == [f"{UNICODE.flip}{UNICODE.change_mark}.809", f"{UNICODE.flip}{UNICODE.change_mark}.978"]
 
 
 @pytest.mark.parametrize("width", [118, 56, 36])
@@ -271,11 +269,9 @@ def framed(shown: Snapshot, width: int, height: int, *downs: int) -> tuple[Disco
 
 
 @pytest.mark.parametrize("size", [(58, 18), (36, 18), (26, 11)])
-@pytest.mark.parametrize("presses", range(4))
-def test_the_flip_chosen_comes_before_the_legend_and_that_before_other_flips(
-    size: tuple[int, int], presses: int
-) -> None:
-    for shown in (with_flips(lake()), with_flips(discount()), with_flips(student())):
+def test_the_flip_chosen_comes_before_the_legend_and_that_before_other_flips(size: tuple[int, int]) -> None:
+    worlds = with_flips(lake()), with_flips(discount()), with_flips(student())
+    for shown, presses in product(worlds, range(4)):
         made, rows = framed(shown, *size, *range(presses))
         signs = tuple(sign._replace(in_full="") for sign in made.legend(shown))
         assert made.free_rows >= len(legend_rows(signs, size[0], len(signs), made.look))
@@ -317,6 +313,7 @@ async def test_it_follows_the_cursor_and_its_keys_choose_a_flip_and_go_beyond_it
         panel = board.discount
         await press(pilot, "t", "g")
         assert "Q* of state 0" in panel.head
+        assert board.world.shown_cursor == 0, "the map marks the state"
         board.world.focus()
         await press(pilot, "right", "right")
         assert "Q* of state 2" in panel.head
@@ -337,6 +334,7 @@ async def test_it_follows_the_cursor_and_its_keys_choose_a_flip_and_go_beyond_it
         assert "worst to best" in screen_text(pilot.app)
         await press(pilot, "t", "g")
         assert "earns" not in screen_text(pilot.app)
+        assert not board.world.subject
         board.table.focus()
         await press(pilot, "down", "t", "g")
         assert "Q* of state 1" in panel.head, "the cursor of the table counts as well"

@@ -1,4 +1,4 @@
-"""The panel of tools: its content, its sliders, and the search by name."""
+"""The panel of tools."""
 
 from __future__ import annotations
 
@@ -56,7 +56,6 @@ def strokes(pilot: Pilot[UserError]) -> int:
 
 
 def found(pilot: Pilot[UserError], query: str) -> dict[str, str]:
-    """The keys of the actions found by ``query``, or their names, and their help."""
     entries = found_by(query, entries_on(pilot.app.screen))
     return {each.keys or each.name: each.sentence for each in entries if each.kind == "action"}
 
@@ -280,7 +279,7 @@ async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
         before = arms_drawn(pilot).means
         await hands.wheel(slider(pilot.app, "std"), (1, 0), 2)
         await hands.wheel(slider(pilot.app, "drift"), (1, 0), 1)
-        await hands.of_menu("arm last")
+        await hands.of_menu("append arm")
         await settle(pilot)
         draft = arms_drawn(pilot)
         assert draft.rules["std"] == pytest.approx(1.1)
@@ -381,20 +380,18 @@ def test_of_many_outcomes_the_chosen_one_is_shown_and_how_many_are_not(on: int) 
     assert f"{9 - len(seen)} more" in hint.text
 
 
-@pytest.mark.parametrize("hiding", [("d",), ("f",), ("t", "m")])
-async def test_where_the_panel_is_not_in_view_digits_go_to_the_agent(
-    make_app: MakeApp, hiding: tuple[str, ...]
+async def test_a_slider_leaves_undo_to_the_drawing_and_digits_go_to_the_agent_where_the_panel_is_hidden(
+    make_app: MakeApp,
 ) -> None:
-    async with on_screen(make_app("frozenlake"), (80, 24)) as pilot:
-        await press(pilot, "w", "d", *hiding, "1")
-        assert playground(pilot).editing.is_on
-        assert playground(pilot).focused is slider(pilot.app, "alpha")
-
-
-async def test_a_slider_in_focus_leaves_undo_to_the_drawing(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (80, 24)) as pilot:
         await press(pilot, "w", "d", "right", "enter")
         walls = snapshot(pilot).world.drawing.kinds.count(CellKind.WALL)
         shown = await press(pilot, "2", "z")
         assert walls == 1
         assert shown.world.drawing.kinds.count(CellKind.WALL) == 0
+        await press(pilot, "escape")
+        for hiding in (("d",), ("t", "m"), ("f",)):
+            await press(pilot, *hiding, "1")
+            assert playground(pilot).editing.is_on, hiding
+            assert playground(pilot).focused is slider(pilot.app, "alpha"), hiding
+            await press(pilot, "escape", *hiding)

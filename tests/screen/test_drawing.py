@@ -1,4 +1,4 @@
-"""A policy that a person draws on the world, with real keys and the mouse."""
+"""A policy that a person draws."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_not
         assert (arrows.count("▜██▛"), arrows.count("█▙▄▖"), arrows.count("?")) == (
             3,
             3,
-            5,
+            6,  # five cells and the legend
         )
         await pilot.resize_terminal(80, 24)
         await settle(pilot)
@@ -127,7 +127,7 @@ async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None
 async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "w", "p", "C")
-        assert notes(pilot.app)[-1] == "Nothing is drawn yet."
+        assert notes(pilot.app)[-1] == "Nothing drawn yet."
         await press(pilot, "right", "1", "2", "down")
         assert drawn(pilot) == ((1, RIGHT),)
         await press(pilot, "3")
@@ -187,15 +187,16 @@ async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_cor
     async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "w", "p")
         rows = picture(pilot)
-        assert "│Phone?├" in rows
-        assert "│◉Class├" in rows
+        assert "Phone?├" in rows
+        assert "│◉ Class?├" in rows
         assert "│ 4.04 │" not in rows
         assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
-        assert rows.count("?") == 3  # Pass has one action. The third is in the legend
+        assert rows.count("?") == 2  # Pass has one action
+        assert "1 study  2 check phone" in rows
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert view(pilot).foot.startswith("1 study  2 check phone · ")
-        assert picture(pilot).count("?") == 3
+        assert "Drawn · all at random   1 study  2 check phone " in picture(pilot)
         names = snapshot(pilot).world.space.state_names
         await press(pilot, "1")
         view(pilot).put_cursor(names.index("Phone"))

@@ -1,4 +1,4 @@
-"""Drawing the world, with real keys and the mouse, while the agent keeps learning in it."""
+"""Drawing the world during learning."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
-from rl_tui.screen.playground.modes.texts import title
+from rl_tui.screen.playground.modes.editing import title
 from rl_tui.worlds.editing.edit import as_json, read_edits
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.files.catalogue import find

@@ -11,6 +11,7 @@ from textual.widget import MountError
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.playground.playground import Playground
 from rl_tui.screen.terminal.ending import HUNG_UP
+from rl_tui.screen.terminal.linked_app import is_open
 
 
 @pytest.mark.parametrize("by_worker", [False, True])
@@ -38,12 +39,12 @@ async def test_nothing_more_is_drawn_while_the_program_ends(
     was_here = []
 
     async def close_all() -> None:
-        was_here.append(screen.frames.is_here)
+        was_here.append(is_open(screen))
         await close()
 
     async with on_screen(app):
         screen, close = app.screen, app._close_all
         assert isinstance(screen, Playground)
-        assert screen.frames.is_here
+        assert is_open(screen)
         monkeypatch.setattr(app, "_close_all", close_all)
     assert was_here == [False]

@@ -61,7 +61,7 @@ async def test_a_script_is_written_under_the_name_offered_and_never_over_what_is
         assert pilot.app.screen.query_one(Input).value == name
         await tap(pilot, *"mine.py")
         fault = pilot.app.screen.query_one(".error", Static)
-        assert str(fault.render()) == "Mine.py exists already: type another name."
+        assert str(fault.render()) == "Mine.py already exists: type another name."
         await press(pilot, "enter")
         assert isinstance(pilot.app.screen, Prompt)
         await press(pilot, "escape")
@@ -99,7 +99,7 @@ async def test_tables_and_the_picture_are_those_that_are_shown(make_app: MakeApp
         await press(pilot, "m", "x")
         assert isinstance(pilot.app.screen, Choice)
         option = pilot.app.screen.query_one(OptionList).get_option("returns")
-        assert "not here: no episode is finished yet" in str(option.prompt)
+        assert "not here: no episode has finished yet" in str(option.prompt)
         await press(pilot, "5")
         assert isinstance(pilot.app.screen, Choice), "that cannot be chosen"
         await press(pilot, "home", "down")

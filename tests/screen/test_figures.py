@@ -1,4 +1,4 @@
-"""Help for every number on screen: exact or sampled, discounted or not, with its time limit."""
+"""Help for every number on screen."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rl_tui.screen.panels.budget import budget_blocks
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.curve.text import BEST_ARM, GREEDY, OPTIMAL
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
-from rl_tui.screen.panels.status_line import status_line
+from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.panels.world.scale_line import VALUE
 from rl_tui.screen.theme.glyphs import UNICODE
 
@@ -37,7 +37,6 @@ SHOWN = (lake(), planning(), bandit(400))
 
 
 def figures_in(label: str) -> list[GlossaryTerm]:
-    """The figures named by ``label``."""
     ids = dict.fromkeys(term_at(label, column, UNICODE) for column in range(len(label)))
     terms = [glossary()[each] for each in ids if each is not None]
     return [term for term in terms if term.figure is not None]
@@ -48,18 +47,12 @@ def text_of(line: Line) -> str:
 
 
 def numbered(text: str) -> list[str]:
-    """The words of ``text`` that precede a number."""
     return re.findall(r"(?<!\w)([a-z]+(?: [a-z]+)*) +(?=[−.\d])", re.sub(r" of (?=\d)", "/", text))
 
 
 @pytest.mark.parametrize(
     "label",
-    [
-        *LABELS,
-        *STUDIED,
-        *(str(each) for each in Layer if each is not Layer.LANES),
-        *(VALUE, *WORDS.values()),
-    ],
+    [*LABELS, *STUDIED, *(str(each) for each in Layer if each is not Layer.LANES), *(VALUE, *WORDS.values())],
 )
 def test_a_label_of_a_figure_names_one(label: str) -> None:
     assert figures_in(label)
@@ -68,7 +61,7 @@ def test_a_label_of_a_figure_names_one(label: str) -> None:
 @pytest.mark.parametrize("snapshot", SHOWN, ids=lambda each: each.recipe.scenario.id)
 @pytest.mark.parametrize("width", [80, 120])
 def test_the_numbers_of_the_status_line_do(snapshot: Snapshot, width: int) -> None:
-    text = text_of(status_line(snapshot, look(), width))
+    text = StatusLine(look()).picture(snapshot, width, 1)[0].text
     labels = [each for each in numbered(text) if each != "seed"]
     assert labels
     assert not [each for each in labels if not figures_in(each)], text

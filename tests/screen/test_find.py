@@ -1,4 +1,4 @@
-"""Find: the matches of a query, the best first, and the effect of enter."""
+"""The matches of a query."""
 
 from __future__ import annotations
 
@@ -83,7 +83,9 @@ async def test_all_actions_are_listed_first_and_anything_is_found(make_app: Make
         assert str(pilot.app.screen.query_one("FindScreen Static", Static).render()) == NOTHING
 
 
-async def test_what_files_add_does_not_move_the_cursor(make_app: MakeApp) -> None:
+async def test_what_files_add_does_not_move_the_cursor_and_what_cannot_be_done_says_why_and_stays(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student")) as pilot:
         await press(pilot, "slash", *"step", "down", "down")
         screen = pilot.app.screen
@@ -92,18 +94,17 @@ async def test_what_files_add_does_not_move_the_cursor(make_app: MakeApp) -> Non
         here = str(rows.options[rows.highlighted or 0].prompt)
         screen.list_matches("step", keeps_cursor=True)
         assert str(rows.options[rows.highlighted or 0].prompt) == here
+        await press(pilot, "escape", "slash", *"next run", "enter")
+        assert isinstance(pilot.app.screen, FindScreen)
+        assert "Not here" in str(pilot.app.screen.query_one("FindScreen Static", Static).render())
 
 
-async def test_a_setting_and_a_number_set_it(make_app: MakeApp) -> None:
+async def test_enter_sets_a_setting_acts_explains_a_word_and_opens_a_world(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         await press(pilot, "ctrl+p", *"epsilon", "space", "full_stop", "3", "enter")
         await settle(pilot)
         assert isinstance(pilot.app.screen, Playground)
         assert snapshot(pilot).agent.hyperparameters.epsilon == 0.3
-
-
-async def test_enter_does_an_action_explains_a_word_and_opens_a_world(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "slash", *"next seed", "enter")
         await settle(pilot)
         assert snapshot(pilot).recipe.seed == 1
@@ -114,10 +115,3 @@ async def test_enter_does_an_action_explains_a_word_and_opens_a_world(make_app: 
         await press(pilot, "enter")
         await settle(pilot)
         assert playground(pilot).recipe.scenario.id.startswith("frozenlake-8x8")
-
-
-async def test_what_cannot_be_done_says_why_and_stays(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "slash", *"next run", "enter")
-        assert isinstance(pilot.app.screen, FindScreen)
-        assert "Not here" in str(pilot.app.screen.query_one("FindScreen Static", Static).render())

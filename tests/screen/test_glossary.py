@@ -1,4 +1,4 @@
-"""The glossary as data: its entries, their texts on screen, and the search."""
+"""The glossary as data."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.glossary.glossary import GlossaryTerm, glossary, search, term_at, terms_called
+from rl_tui.screen.glossary.glossary import glossary, search, term_at, terms_called
 from rl_tui.screen.kit.row import CONTROLS, LAST_STEP, TABLE, TIMELINE, WORLD, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
@@ -19,14 +19,14 @@ from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 AGENTS = (Path(__file__).parents[2] / "docs/reference/agents.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("term", glossary().values(), ids=lambda term: term.id)
-def test_a_term_has_all_that_is_told_of_it(term: GlossaryTerm) -> None:
-    lacks = [name for name in ("word", "text", "equation", "book") if not getattr(term, name)]
-    assert not lacks, f"glossary.toml: the term {term.id} lacks {', '.join(lacks)}"
-    assert term.text.endswith((".", ":"))
-    assert term.is_elsewhere or term.book.startswith(("section", "example")), "a place in the book"
-    spelled = [to_ascii(text, ASCII) for text in (*term.names, term.text, term.equation, term.book)]
-    assert not [text for text in spelled if "?" in text], "ASCII has no spelling for a character"
+def test_a_term_has_all_that_is_told_of_it() -> None:
+    for term in glossary().values():
+        lacks = [name for name in ("word", "text", "equation", "book") if not getattr(term, name)]
+        assert not lacks, f"glossary.toml: the term {term.id} lacks {', '.join(lacks)}"
+        assert term.text.endswith((".", ":")), term.id
+        assert term.is_elsewhere or term.book.startswith(("section", "example")), term.id
+        spelled = [to_ascii(text, ASCII) for text in (*term.names, term.text, term.equation, term.book)]
+        assert not [text for text in spelled if "?" in text], "ASCII has no spelling for a character"
 
 
 @pytest.mark.parametrize("row", PANELS, ids=lambda row: row.id)
@@ -79,7 +79,7 @@ def test_where_the_sample_average_counts_updates_is_said_of_those_and_no_others(
         ("mean return: each episode", "mean return", "last-100"),
         ("optimal  .74", "optimal", "gamma-best"),
         ("greedy: may never end", "never", "greedy"),
-        ("ended its episode", "ended", None),
+        ("ended the episode", "ended", None),
         ("Return per episode", "Return", "return"),
     ],
 )

@@ -1,4 +1,4 @@
-"""A map's other marks: trail, slips, wind, unreachable cells, state numbers."""
+"""Trail, slips, wind and numbers on a map."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.timeline.trail import TrailStep
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.grid.headings import STATE_NUMBERS
+from rl_tui.screen.panels.grid.signs import STATE_NUMBERS
 from rl_tui.screen.panels.last_step.last_step import LastStepPanel
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.world import World
@@ -36,7 +36,6 @@ def with_trail(*taken: tuple[int, int, int, int], at: int = 6) -> Snapshot:
 
 
 def straight(count: int) -> list[tuple[int, int, int, int]]:
-    """Back and forth between the states 1 and 2, after a start in 0."""
     way = [0, *([1, 2] * count)][: count + 1]
     return [(one, RIGHT, RIGHT, other) for one, other in pairwise(way)]
 
@@ -57,7 +56,6 @@ def test_an_older_mark_is_fainter() -> None:
 
 
 def last_step(snapshot: Snapshot, *, rose: bool) -> Snapshot:
-    """A snapshot after the last step of the trail, with its pair updated."""
     step, last = snapshot.trail[-1], snapshot.counters.last_step or lake(step=1).counters.last_step
     assert last is not None
     pair = snapshot.world.space.pairs_of(step.state).start + step.action
@@ -171,7 +169,6 @@ def windy(**rules: Any) -> World:
 
 
 def in_wind(world: World, state: int, action: int, place: int = 0) -> Snapshot:
-    """The moment after ``action`` in ``state``, with the outcome at index ``place``."""
     mdp = world.mdp
     pair = mdp.pair_of(state, action)
     assert pair is not None
@@ -260,7 +257,6 @@ def test_a_world_without_wind_has_no_row_for_it() -> None:
 
 
 def walled_in() -> Snapshot:
-    """A map with an unreachable last column."""
     world = GridSection.model_validate({"map": "S.G#.\n...#.\n"}).build(np.random.default_rng(0))
     pairs = world.space.pairs
     return changed(

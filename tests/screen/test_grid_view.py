@@ -9,7 +9,7 @@ from colour_vision import contrast
 from drawn_grids import large_lake, one_way, paying, picture, q_of, small, style_at, visited, whole
 from rich.style import Style
 from sample_worlds import LEFT, RIGHT, UP, lake_world
-from samples import big_lake, lake, look
+from samples import lake, look
 from snapshots import changed
 from textual.geometry import Size
 
@@ -142,11 +142,7 @@ def test_ties_are_several_arrows_or_a_star_where_they_do_not_fit_and_a_tie_of_al
 
 
 @pytest.mark.parametrize(
-    ("size", "rows"),
-    [
-        ((7, 3), ("       ", "  ↑←   ")),
-        ((11, 4), ("           ", "    ↑←     ")),
-    ],
+    ("size", "rows"), [((7, 3), ("       ", "  ↑←   ")), ((11, 4), ("           ", "    ↑←     "))]
 )
 def test_two_tied_directions_are_arrows_side_by_side_or_letters(
     size: tuple[int, int], rows: tuple[str, ...]
@@ -297,17 +293,6 @@ def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
     assert view.footing == ""
 
 
-@pytest.mark.parametrize("size", [(1, 1), (3, 2), (7, 1), (25, 9), (41, 3), (80, 24), (200, 60)])
-@pytest.mark.parametrize("plain", [False, True])
-def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
-    width, height = size
-    for snapshot in (lake(), lake(step=0), big_lake(), changed(lake(), q=np.full(44, np.inf))):
-        view = GridView(snapshot.world, look(plain, "none" if plain else "truecolor"))
-        strips = view.picture(snapshot, width, height)
-        assert [strip.cell_length for strip in strips] == [width] * height
-        assert all(segment.style is not None for strip in strips for segment in strip)
-
-
 def test_a_cliff_is_hatched_in_a_colour_of_its_own() -> None:
     world = lake_world()
     assert isinstance(world.drawing, Grid)
@@ -335,13 +320,7 @@ def test_cells_that_pay_something_unusual_say_so() -> None:
 
 @pytest.mark.parametrize(
     ("size", "expected"),
-    [
-        ((60, 16), "◤     ▗▄▟█"),
-        ((60, 12), "◤   "),
-        ((40, 8), "◤   ←"),
-        ((20, 4), "◤←.54"),
-        ((12, 4), "◤← "),
-    ],
+    [((60, 16), "◤     ▗▄▟█"), ((60, 12), "◤   "), ((40, 8), "◤   ←"), ((20, 4), "◤←.54"), ((12, 4), "◤← ")],
 )
 def test_a_state_whose_greedy_actions_differ_in_the_other_lane_says_so(
     size: tuple[int, int], expected: str

@@ -1,4 +1,4 @@
-"""Every panel hides what would reveal the exact values, and says so, until w h shows them."""
+"""Panels hide what would reveal the exact values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rl_tui.screen.kit.snapshot_facts import ANSWER_KEY, hides_means, is_secret
 from rl_tui.screen.panels.curve.data import curve_data
 from rl_tui.screen.panels.curve.text import HIDDEN_OPTIMUM, OPTIMAL
 from rl_tui.screen.panels.microscope.microscope import history_strips
-from rl_tui.screen.panels.model.pair import pair_blocks
+from rl_tui.screen.panels.model import pair_blocks
 from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.files.catalogue import scenarios
 

@@ -1,4 +1,4 @@
-"""Texts about hidden parts of a lesson say that they are hidden, and name no key that would show them."""
+"""Texts about hidden parts of a lesson."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rl_tui.screen.kit.snapshot_facts import SHOWN_BY_KEY, shown_by
 from rl_tui.screen.panels.budget import budget_blocks
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
-from rl_tui.screen.panels.model.pair import means_key
+from rl_tui.screen.panels.model import means_key
 from rl_tui.screen.panels.policies.policies import notes
 from rl_tui.screen.playground.modes.drawing import title
 from rl_tui.screen.theme.glyphs import UNICODE
@@ -27,7 +27,6 @@ BANDIT = bandit(100)
 
 
 def kept(picture: Snapshot, *what: str) -> Snapshot:
-    """``picture`` with a page that hides ``what``."""
     return changed(picture, is_hidden="answer" in what, kept_back=frozenset(what))
 
 
@@ -76,7 +75,6 @@ def graph(picture: Snapshot) -> str:
 
 
 def with_other_chances(picture: Snapshot) -> Snapshot:
-    """``picture`` in a world with reversed outcome probabilities, pair by pair."""
     mdp = picture.world.mdp
     chances, sums = np.array(mdp.probability), np.array(mdp.cumulative)
     for pair in range(mdp.pairs):

@@ -1,4 +1,4 @@
-"""? shows all keys of a place on one screen. One more key shows words or pages."""
+"""The sheet of all keys."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 import pytest
 from conftest import MakeApp
-from seams import on_screen, playground, press
+from seams import on_screen, playground, press, tap
 from textual.containers import VerticalScroll
 from textual.pilot import Pilot
 
@@ -20,7 +20,6 @@ from rl_tui.screen.playground.playground import Playground
 
 
 def shown(pilot: Pilot[UserError]) -> str:
-    """The page as lines of text."""
     screen = pilot.app.screen
     assert isinstance(screen, KeySheet)
     page = screen.query_one("_Page")
@@ -36,10 +35,26 @@ async def test_all_keys_are_on_one_screen(make_app: MakeApp, size: tuple[int, in
         assert pilot.app.screen.query_one(VerticalScroll).max_scroll_y == 0
         assert ("World, in focus" in text) is bool(focus)
         for action in playground(pilot).actions:
+            if action.menu and action.refused and size[0] < 120:
+                continue  # its menu says why not
             key = action.letter if action.menu and size[0] < 120 else action.shown
             entry = f"{key} {action.label}" if action.entry is None else " ".join(action.entry)
             is_heading = action.key in MENUS and re.search(rf"\b{action.key} +{MENUS[action.key]}", text)
             assert is_heading or action.everywhere or entry.strip() in text, action.id
+
+
+async def test_the_entries_of_menus_are_in_columns(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake")) as pilot:
+        await press(pilot, "question_mark")
+        lines = shown(pilot).partition("a Agent")[2].splitlines()
+        starts = {entry.start() for line in lines[1:] for entry in re.finditer(r"(?<=  )\S [A-Za-z]", line)}
+        assert len(starts) <= 3
+
+
+async def test_a_panel_without_a_title_is_only_called_in_focus(make_app: MakeApp) -> None:
+    async with on_screen(make_app()) as pilot:
+        await tap(pilot, "question_mark")
+        assert shown(pilot).startswith("In focus")
 
 
 async def test_in_the_least_terminal_it_scrolls(make_app: MakeApp) -> None:

@@ -1,10 +1,12 @@
-"""The table of actions: its keys, the usual meanings of keys, and its words."""
+"""The table of actions."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from pathlib import Path
+from types import UnionType
+from typing import get_args, get_origin, get_type_hints
 
 import pytest
 
@@ -15,7 +17,7 @@ from rl_tui.screen.keys.bindings import stopping_keys
 from rl_tui.screen.keys.playground_keys import DRAW_PATH
 from rl_tui.screen.keys.registry import ACTIONS, actions_of
 from rl_tui.screen.kit.bindings import RowList
-from rl_tui.screen.playground.actions.leaving import LEAVING_KEYS
+from rl_tui.screen.playground.actions.session import LEAVING_KEYS
 from rl_tui.screen.playground.modes.editing import WorldEditing
 
 PLACES = [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND]
@@ -35,7 +37,6 @@ PAIRS = {("b", "B")}
 
 
 def usual(place: Place) -> list[Action]:
-    """The actions available without a lesson and without a watched program."""
     return [each for each in actions_of(place) if not each.of_lesson and not each.of_program]
 
 
@@ -122,6 +123,14 @@ def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
     assert all(action.help.endswith((".", "…")) and action.shown for action in ACTIONS)
     assert all(len(action.help) <= LONGEST_HELP for action in ACTIONS)
     assert all(1 <= len(action.label.split()) <= 2 for action in ACTIONS)
+
+
+def test_every_field_of_a_row_has_the_type_of_its_field() -> None:
+    for name, hint in get_type_hints(Action).items():
+        kinds = get_args(hint) if isinstance(hint, UnionType) else (hint,)
+        types = tuple(get_origin(kind) or kind for kind in kinds)
+        for action in ACTIONS:
+            assert isinstance(getattr(action, name), types), (action.id, name)
 
 
 def test_what_is_named_outside_of_the_table_is_in_it() -> None:

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lane_samples import lane_views, side_by_side, without_episodes
-from rich.cells import cell_len
 from rich.style import Style
 from samples import answered, bandit, curve, lake, look, marks, planning
 from snapshots import changed
@@ -32,14 +31,12 @@ def drawn(
 
 
 def styles(snapshot: Snapshot, text: str, shown_with: Look | None = None) -> set[Style | None]:
-    """The styles of all segments with ``text``."""
     _, widget = drawn(snapshot, WIDE, shown_with)
     pieces = [piece for row in widget.picture(snapshot, *WIDE) for piece in row]
     return {piece.style for piece in pieces if text in piece.text}
 
 
 def dotted(snapshot: Snapshot) -> set[Style | None]:
-    """The styles of all line segments."""
     _, widget = drawn(snapshot)
     return {
         piece.style
@@ -94,8 +91,7 @@ def test_a_narrow_panel_says_which_run_is_shown() -> None:
 
 
 @pytest.mark.parametrize(
-    ("episodes", "said"),
-    [((27, 27), "last 27 of"), ((27, 35), "27–35 of"), ((60, 14_000), "60–100 of")],
+    ("episodes", "said"), [((27, 27), "last 27 of"), ((27, 35), "27–35 of"), ((60, 14_000), "60–100 of")]
 )
 def test_means_of_fewer_than_100_episodes_are_named_by_their_number(
     episodes: tuple[int, int], said: str
@@ -245,14 +241,3 @@ def test_the_axis_stays_while_one_goes_back_in_time() -> None:
     assert widget.scale is scale
     widget.show(changed(now, recipe=replace(now.recipe, seed=now.recipe.seed + 1)))  # another run
     assert widget.scale is None
-
-
-@pytest.mark.parametrize("count", [2, 4])
-@pytest.mark.parametrize("ascii", [False, True])
-def test_lanes_fit_any_size(count: int, ascii: bool) -> None:  # noqa: A002
-    for snapshot in (side_by_side(count), side_by_side(count, count - 1)):
-        for width in (1, 2, 5, 14, 20, 26, 30, 50, 120):
-            for height in (1, 2, 3, 5, 12, 30):
-                lines, widget = drawn(snapshot, (width, height), look(ascii))
-                assert all(cell_len(line) == width for line in lines)
-                assert cell_len(widget.heading) <= width

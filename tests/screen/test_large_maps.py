@@ -1,4 +1,4 @@
-"""The playground of a map too large to be copied for every frame: 200×200, 159,996 pairs."""
+"""The playground of a map of 200×200 cells."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rl_tui.live.viewport import RowRange
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.model.model import ModelPanel
+from rl_tui.screen.panels.model import ModelPanel
 from rl_tui.screen.panels.side_by_side import greedy_differences
 from rl_tui.screen.playground.playground import Playground
 
@@ -42,7 +42,6 @@ def text_of(panel: GridView) -> str:
 
 
 def check_complete(screen: Playground) -> None:
-    """Assert that the visible part equals the newest snapshot, which covers only a few screens of the map."""
     snapshot = newest(screen)
     assert screen.board.is_complete
     assert snapshot.agent.part.held.sum() < 45_000

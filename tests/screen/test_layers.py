@@ -26,7 +26,6 @@ ERRORS_AND_VISITS = (Layer.ERROR, Layer.VISITS)
 
 
 def drawn(snapshot: Snapshot, layer: Layer, cell: tuple[int, int] = (17, 6)) -> list[str]:
-    """The rows of a map with cells of this size, and the line below it."""
     view = GridView(snapshot.world, look())
     view.cell, view.wanted_layer = Size(*cell), layer
     view.show(snapshot)
@@ -34,7 +33,6 @@ def drawn(snapshot: Snapshot, layer: Layer, cell: tuple[int, int] = (17, 6)) -> 
 
 
 def learning() -> Snapshot:
-    """A partly learned lake, with exact values."""
     shown = lake()
     solution = shown.exact_answer.solution
     assert solution is not None
@@ -203,13 +201,14 @@ async def test_what_is_alone_in_view_turns(make_app: MakeApp) -> None:
         assert board.world.drawn_layer is board.table.shown_layer is Layer.ERROR
 
 
-@pytest.mark.parametrize("panel", ["curve", "timeline"])
-async def test_v_leaves_a_panel_without_layers_as_it_is(make_app: MakeApp, panel: str) -> None:
+async def test_v_leaves_a_panel_without_layers_as_it_is(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         board = playground(pilot).board
-        board.panel(panel).focus()
-        await press(pilot, "f", "v")
-        assert (board.zoomed, board.wanted_layer) == (panel, Layer.Q)
+        for panel in ("curve", "timeline"):
+            board.panel(panel).focus()
+            await press(pilot, "f", "v")
+            assert (board.zoomed, board.wanted_layer) == (panel, Layer.Q)
+            await press(pilot, "f")
 
 
 def test_the_scale_of_values_gets_wider_whatever_layer_is_shown() -> None:

@@ -1,4 +1,4 @@
-"""The texts of a lesson as lines, and the numbers that learners type."""
+"""The texts of a lesson as lines."""
 
 from __future__ import annotations
 
@@ -60,6 +60,11 @@ def test_marks_are_styles_and_an_asterisk_alone_is_itself() -> None:
     assert styled(line, palette.strong) == ["α"]
     assert styled(line, palette.press) == ["epsilon"]
     assert "".join(piece.text for piece in line) == "α is epsilon · 2 * 3 [b]x[/b]"
+
+
+def test_two_keys_stay_in_one_line_and_other_code_may_break() -> None:
+    assert rows("Then press `w n` twice.", 13) == ["Then press", "w n twice."]
+    assert rows("Then press `run it` twice.", 15) == ["Then press run", "it twice."]
 
 
 def test_a_mark_may_end_within_a_word() -> None:

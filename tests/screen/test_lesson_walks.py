@@ -1,4 +1,4 @@
-"""Every shipped lesson is taken from its first page to its end, with the keys it names."""
+"""Every shipped lesson, taken to its end by keys."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from lesson_walks import BY_HAND, Learner, right_answer, taking, wrong_answer
 from seams import train
+from shipped import shipped_lessons
 
-from rl_tui.lessons.catalogue import shipped_lessons
 from rl_tui.lessons.file.schema import Ask, Task
 from rl_tui.lessons.lesson import Lesson
 from rl_tui.live.sessions.grade import LessonGrading
@@ -27,7 +27,6 @@ WITH_WRONG_ATTEMPTS = pytest.mark.exhaustive("every lesson, with all that a task
 
 
 def walks() -> Iterator[Any]:
-    """Yield each walk in its own group, so that processes share them."""
     for name, lesson in LESSONS.items():
         for size in (WIDE, SMALL) if name in WALKED_SMALL else (WIDE,):
             group = pytest.mark.xdist_group(f"{name} {size[0]}")
@@ -41,13 +40,11 @@ WAITED = (1, 1, 1, 7, 90, 400, 500, 1000, 1000, 1000, 1000)
 
 
 async def do_by_hand(learner: Learner) -> None:
-    """Take the actions that the page asks for, if any."""
     for action in BY_HAND.get((learner.lesson.id, learner.page.id), ()):
         await learner.act(action)
 
 
 async def predict(learner: Learner, ask: Ask) -> None:
-    """Give the right answer, run to the step that resolves it if the page asks for it, and read it."""
     await learner.answer(ask, right_answer(ask))
     given = learner.record.given_on(learner.page.id)
     assert given is not None
@@ -69,7 +66,6 @@ async def predict(learner: Learner, ask: Ask) -> None:
 
 
 async def answer(learner: Learner, ask: Ask) -> None:
-    """Choose a wrong answer, read the reply, and choose a right one."""
     page = learner.page.id
     for given, is_right in ((wrong_answer(ask), False), (right_answer(ask), True)):
         await learner.answer(ask, given)
@@ -92,12 +88,10 @@ async def do(learner: Learner, task: Task, *, with_wrong_attempt: bool) -> None:
 
 
 def beginning(text: str) -> str:
-    """The first words of ``text``. The rest may be below."""
     return " ".join(text.split()[:6])
 
 
 async def walk(learner: Learner, *, with_wrong_attempts: bool) -> None:
-    """Take the lesson to its end."""
     while True:
         page = learner.page
         assert beginning(plain(page.title)) in await learner.read()

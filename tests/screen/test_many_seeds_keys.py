@@ -1,4 +1,4 @@
-"""Many seeds on the real screen, with real keys: the panel, the curve's band, and the dialog of runs."""
+"""Many seeds on the real screen."""
 
 from __future__ import annotations
 
@@ -27,14 +27,12 @@ from rl_tui.studies.many_seeds.figures import SeedStudy, StudyState
 
 
 def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
-    """Record all commands in this list; the player receives none."""
     sent = list[Command]()
     monkeypatch.setattr(playground(pilot).link, "send", sent.append)
     return sent
 
 
 async def fed(pilot: Pilot[UserError], study: SeedStudy | None) -> str:
-    """Show the current snapshot with ``study`` and return the text on screen."""
     screen = playground(pilot)
     assert screen.snapshot is not None
     show(screen, replace(screen.snapshot, study=study))
@@ -190,7 +188,6 @@ def rows(pilot: Pilot[UserError]) -> list[str]:
 
 
 async def compared(pilot: Pilot[UserError], snapshot: Snapshot, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Show ``snapshot`` and open the dialog; return its rows."""
     recorded(pilot, monkeypatch)
     show(playground(pilot), snapshot)
     await pilot.press("c", "c")
@@ -252,7 +249,7 @@ async def test_without_a_study_the_dialog_says_so_and_of_how_many_episodes_a_mea
         await pilot.press("escape")
         listed = await compared(pilot, side_by_side(2, 1, study=cliff_study(is_outdated=True)), monkeypatch)
         about = str(pilot.app.screen.query_one("#about", Static).render())
-        assert about.endswith("One seed decides nothing: t m runs many.")
+        assert about.endswith("One seed proves nothing: t m runs many.")
         assert not any("±" in row for row in listed)
 
 

@@ -1,4 +1,4 @@
-"""The menus: letters, arrows, enter, the mouse. A refused entry shows its reason and leaves the menu open."""
+"""The menus: letters, arrows, enter, the mouse, and refusals."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ async def test_every_menu_shows_each_row_whole(
             assert isinstance(pilot.app.screen, Playground)
 
 
-async def test_a_letter_acts_at_once_and_so_does_enter_on_the_row_under_the_cursor(make_app: MakeApp) -> None:
+async def test_a_letter_acts_at_once_and_so_do_enter_on_the_row_under_the_cursor_and_the_mouse(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student")) as pilot:
         await press(pilot, "r", "n")
         assert snapshot(pilot).recipe.seed == 1
@@ -62,18 +64,14 @@ async def test_a_letter_acts_at_once_and_so_does_enter_on_the_row_under_the_curs
         assert isinstance(pilot.app.screen, Form)
         await press(pilot, "escape", "a", "enter")
         assert isinstance(pilot.app.screen, Choice)
-
-
-async def test_the_mouse_does_a_row_and_closes_beside_them(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "r")
+        await press(pilot, "escape", "r")
         place = lines(pilot)[2].index("next seed")
         await click(pilot, strip(pilot).menu, offset=(place, 2))
-        assert snapshot(pilot).recipe.seed == 1
+        assert snapshot(pilot).recipe.seed == 4
         await press(pilot, "r")
         await click(pilot, offset=(3, 3))
-        assert isinstance(pilot.app.screen, Playground)
-        assert snapshot(pilot).recipe.seed == 1
+        assert isinstance(pilot.app.screen, Playground), "a click beside the rows closes it"
+        assert snapshot(pilot).recipe.seed == 4
 
 
 async def test_what_cannot_be_done_now_says_why_and_a_key_of_no_row_says_so(make_app: MakeApp) -> None:
@@ -91,8 +89,11 @@ async def test_what_cannot_be_done_now_says_why_and_a_key_of_no_row_says_so(make
         assert isinstance(pilot.app.screen, KeySheet)
 
 
-async def test_rows_show_current_values_while_the_run_goes_on(make_app: MakeApp) -> None:
+async def test_rows_show_values_while_the_run_goes_on_and_escape_ends_no_mode(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
+        await press(pilot, "y", "t", "escape")
+        assert playground(pilot).modes.current is playground(pilot).manual
+        await press(pilot, "y")
         await press(pilot, "t", "b", "t")
         assert "1 set" in " ".join(lines(pilot))
         await press(pilot, "escape", "a")
@@ -115,12 +116,6 @@ async def test_a_reason_that_comes_while_the_menu_is_open_is_shown_whole(make_ap
         strip(pilot).show(snapshot(pilot))
         await settle(pilot)
         assert "is the end." in lines(pilot)[-1]
-
-
-async def test_escape_closes_the_menu_and_not_the_mode_below(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        await press(pilot, "y", "t", "escape")
-        assert playground(pilot).modes.current is playground(pilot).manual
 
 
 async def test_an_old_key_does_what_it_did_and_names_the_new_one_or_only_names_it(make_app: MakeApp) -> None:

@@ -1,4 +1,4 @@
-"""The microscope on the real screen, with real keys."""
+"""The keys of the microscope."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ def board(pilot: Pilot[UserError]) -> Board:
 
 
 def lines(pilot: Pilot[UserError]) -> str:
-    """All text of the microscope, in any number of rows."""
     widget = board(pilot).microscope
     rows = Microscope(widget.look)
     rows.pair = widget.pair
@@ -30,7 +29,6 @@ def lines(pilot: Pilot[UserError]) -> str:
 
 
 def top(pilot: Pilot[UserError]) -> str:
-    """Its first visible row."""
     return board(pilot).microscope.render_line(0).text
 
 
@@ -77,13 +75,13 @@ async def test_it_is_drawn_from_every_step_and_an_earlier_one_is_told_as_it_was_
         for step in range(1, 5):
             await press(pilot, "s")
             told.append(lines(pilot))
-            assert f" The step  {step}, episode 1" in told[-1]
+            assert f" The step  {step}, step {step} of episode 1" in told[-1]
         for before in reversed(told[:-1]):
             await order(pilot, StepBack())
             assert lines(pilot) == before
         await order(pilot, GoTo(4))
         await train(pilot, 5_000)
-        assert "5,004, episode" in lines(pilot)
+        assert "5,004, step" in lines(pilot)
         shown = await press(pilot, "s")
         assert board(pilot).table.sources == lit_sources(shown)
         await press(pilot, "d")
@@ -151,15 +149,10 @@ async def test_a_pair_chosen_in_the_table_stays_chosen(make_app: MakeApp) -> Non
         assert isinstance(pilot.app.focused, Slider)
 
 
-async def test_it_says_how_to_choose_a_cell(make_app: MakeApp) -> None:
+async def test_the_history_is_that_of_the_run_and_it_says_how_to_choose_a_cell(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "s", "d")
         assert "tab: another cell" in board(pilot).microscope.footing
-
-
-async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "s", "d")
         for _ in range(5):
             shown = await press(pilot, "s")
             assert shown.cell.pair == shown.counters.last_step.updated_pair == board(pilot).microscope.pair

@@ -3,23 +3,24 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from samples import answered, bandit, big_lake, lake, look, stepped_lake, student
-from seams import screen_text
+from conftest import MakeApp
+from samples import answered, bandit, lake, look, stepped_lake, student
+from seams import on_screen, playground, press, screen_text
 from snapshots import changed
 from textual.app import App, ComposeResult
 
 from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.draw import names
-from rl_tui.screen.panels.model.model import ModelPanel
+from rl_tui.screen.panels.model import ModelPanel
 from rl_tui.worlds.files.catalogue import find
 
 
 def panel(snapshot: Snapshot | None, pair: int | None = None, *, ascii: bool = False) -> ModelPanel:  # noqa: A002
     made = ModelPanel(look(ascii))
-    made.snapshot = snapshot
-    if pair is not None:
-        made.show_pair(pair)
+    made.show_pair(pair)
+    if snapshot is not None:
+        made.show(snapshot)
     return made
 
 
@@ -32,16 +33,16 @@ def drawn(made: ModelPanel, width: int = 90, height: int = 40) -> str:
 def test_the_five_parts_of_a_grid() -> None:
     made = panel(lake())
     text = drawn(made)
-    assert "S       16 states: 0, 1, 2" in text
+    assert "S     16 states: 0, 1, 2" in text
     assert "14, 15; 11 with actions" in text
-    assert "A       4 actions: ↑ up, → right, ↓ down, ← left" in text
-    assert "P       44 state–action pairs, 132 outcomes" in text
-    assert "R       from 0 to 1" in text
-    assert "γ       .99" in text
-    assert "start   0 (row 0, column 0, counted from 0)" in text
+    assert "A     4 actions: ↑ up, → right, ↓ down, ← left" in text
+    assert "P     44 state–action pairs, 132 outcomes" in text
+    assert "R     from 0 to 1" in text
+    assert "γ     .99" in text
+    assert "start 0 (row 0, column 0, counted from 0)" in text
     assert "terminal 5, 7, 11, 12, 15" in text
     assert "truncated after 100 steps" in text
-    assert made.heading == "Model ⟨S, A, P, R, γ⟩ · FrozenLake 4×4 slippery"
+    assert made.heading == "Model"
 
 
 def test_the_place_in_the_drawing_is_told_of_plain_numbers_only() -> None:
@@ -55,7 +56,7 @@ def test_the_outcomes_of_a_pair_and_where_it_slips() -> None:
     snapshot = lake()
     down = int(snapshot.world.space.first_pair[4]) + 1
     lines = [" ".join(line.split()) for line in drawn(panel(snapshot, down)).splitlines()]
-    assert f"state 4 (row 1, column 0, counted from 0) action ↓ down pair {down + 2} of 44" in lines
+    assert f"state 4 action ↓ down row 1, column 0, counted from 0 pair {down + 2} of 44" in lines
     table = lines[lines.index("p went r s′") + 1 :]
     assert table[:3] == ["1/3 → 0 5: hole ends", "1/3 ↓ 0 8", "1/3 ← 0 4"]
 
@@ -83,7 +84,7 @@ def test_the_border_names_the_keys_that_do_something() -> None:
 
 
 def test_where_every_state_has_actions_that_is_not_said() -> None:
-    assert "S       1 state: bandit" in drawn(panel(bandit(400)))
+    assert "S     1 state: bandit" in drawn(panel(bandit(400)))
 
 
 def test_nothing_follows_a_terminal_outcome() -> None:
@@ -110,7 +111,7 @@ def test_without_an_exact_answer_it_says_why() -> None:
 def test_a_bandit_keeps_its_means() -> None:
     made = panel(bandit(400), 3)
     text = drawn(made)
-    assert "R       hidden until w h or the end of the budget" in text
+    assert "R     hidden until w h or the end of the budget" in text
     assert "··· hidden until w h or the end of the budget" in text
     assert ".7" not in text.replace("learned Q(3) = 0.700", "")
     text = drawn(panel(answered(bandit(400)), 3))
@@ -138,13 +139,6 @@ def test_ascii_has_no_other_characters() -> None:
         assert "?" not in text
 
 
-@pytest.mark.parametrize("snapshot", [None, lake(), student(), bandit(400), big_lake()])
-def test_it_fits_any_size(snapshot: Snapshot | None) -> None:
-    for width in (1, 5, 12, 30, 60, 120):
-        for height in (1, 3, 8, 20, 60):
-            drawn(panel(snapshot), width, height)
-
-
 class ModelApp(App[None]):
     def compose(self) -> ComposeResult:
         yield ModelPanel(look())
@@ -159,7 +153,8 @@ async def test_arrows_go_through_the_pairs() -> None:
         made.show(lake())
         made.focus()
         first = lake().world.space.first_pair
-        assert made.pair == 3  # up
+        assert made.pair == 20, "that of the last step"
+        made.show_pair(3)  # up
         await pilot.press("left", "up")
         assert made.pair == 3
         await pilot.press("right", "down")
@@ -181,7 +176,7 @@ async def test_what_does_not_fit_scrolls() -> None:
         made.focus()
         await pilot.press("pageup")
         top = made.render_line(0).text
-        assert top.startswith(" state 0")
+        assert top.startswith(" state 6")
         await pilot.press("pagedown")
         assert made.render_line(0).text != top
         await pilot.press(*["pagedown"] * 10)
@@ -191,23 +186,22 @@ async def test_what_does_not_fit_scrolls() -> None:
         assert made.render_line(0).text == top
 
 
-async def test_a_dialog_has_a_frame_with_title_and_caption() -> None:
-    app = ModelApp()
-    async with app.run_test(size=(54, 8)) as pilot:
-        made = app.query_one(ModelPanel)
-        made.styles.border, made.styles.padding = ("round", "white"), (0, 2)
-        made.show(lake())
-        await pilot.pause()
-        title, caption = made.heading.split(" · ")
-        assert screen_text(app).splitlines()[0] == f"╭─ {title}  {caption} ───╮"
+def test_where_rows_are_few_states_and_actions_are_counted_only() -> None:
+    made = panel(lake(), 5)
+    text = drawn(made, 44, 20)
+    assert "S     16 states; 11 with actions\n A     4 actions\n P     44 pairs, 132 outcomes" in text
+    assert "start 0 (row 0, column 0, counted from 0)\n" in text
+    assert "start 0\n" in drawn(made, 40, 22)
+    assert text.rstrip("\n").endswith("bootstraps")
+    assert made.footing.startswith("↑ ↓: state   ← →: action")
 
 
 def test_of_a_stepped_environment_it_says_what_is_known() -> None:
     made = panel(stepped_lake(), 0)
     text = drawn(made)
     assert "15; 11 with actions" in text
-    assert "P       no transition table (simulated only); 44 state–action pairs" in text
-    assert "R       no transition table" in text
+    assert "P     no transition table (simulated only); 44 state–action pairs" in text
+    assert "R     no transition table" in text
     assert "where the environment says so; truncated after 100 steps" in text
     assert "no transition table" in text
     assert "learned Q(0,←)" in text
@@ -229,7 +223,7 @@ def egg() -> Snapshot:
 def test_where_states_look_alike_it_says_that_there_is_no_p() -> None:
     text = " ".join(drawn(panel(egg(), 7)).split())
     assert "P none: the agent cannot tell some states apart" in text
-    assert "p r s′ 1 −10 or 10 ? Plate ends ? depends on how you came here" in text
+    assert "p r s′ 1 −10 or 10 ? Plate ends ? depends on how you got here" in text
     waiting = " ".join(drawn(panel(egg(), 6)).split())
     assert "p r s′ ? −1 Pot ? −10 Plate ends ?" in waiting
     certain = " ".join(drawn(panel(egg(), 0)).split())
@@ -254,3 +248,39 @@ def test_names_with_commas_are_kept_apart() -> None:
     names = [f"{state}, no" for state in range(16)]
     world = replace(snapshot.world, space=replace(snapshot.world.space, state_names=names))
     assert "0, no; 1, no; " in drawn(panel(changed(snapshot, world=world)))
+
+
+# In the playground
+
+
+async def test_the_world_marks_the_state_its_action_and_all_next_states(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
+        board = playground(pilot).board
+        view, model = board.world, board.model
+        assert view is not None
+        await press(pilot, "w", "m")
+        first = view.world.space.first_pair
+        model.show_pair(int(first[4]) + 1)  # down, which may slip to both sides
+        await settle(pilot)
+        assert view.shown_cursor == 4
+        assert view.subject_next == {4, 5, 8}
+        assert board.table.pointed == range(int(first[4]) + 1, int(first[4]) + 2)
+        assert "possible s′" in screen_text(pilot.app)
+        await press(pilot, "down")
+        assert view.shown_cursor == 6
+        view.focus()
+        await press(pilot, "right")
+        assert model.pair in view.world.space.pairs_of(view.cursor or 0), "a cursor chooses a pair too"
+        await press(pilot, "escape", "escape")
+        assert board.opened is None
+        assert not view.subject
+        assert "possible s′" not in screen_text(pilot.app)
+
+
+async def test_below_a_map_that_a_panel_moves_no_key_leads_back(make_app: MakeApp) -> None:
+    async with on_screen(make_app("taxi"), (80, 24)) as pilot:
+        await press(pilot, "w", "m", "down")
+        view = playground(pilot).board.world
+        assert view is not None
+        assert view.footing.startswith("rows ")
+        assert "follow" not in screen_text(pilot.app)

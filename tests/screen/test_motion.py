@@ -1,4 +1,4 @@
-"""Motion on a map after a step: the chip, the value, the frame; and cases without motion."""
+"""Motion on a map after a step."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.map import GridMap
 from rl_tui.screen.panels.grid.motion import Motion, Mover, motion_between
@@ -55,7 +56,6 @@ def learned(**q: float) -> Snapshot:
 
 
 def after(before: Snapshot, state: int, action: int, next_state: int, **terms: Any) -> Snapshot:
-    """The moment after an action in a state, with ``terms`` of its update."""
     last, pair = before.counters.last_step, pair_at(before, state, action)
     assert last is not None
     usual = {"state": state, "pair": pair, "updated_pair": pair, "next_state": next_state, "reward": 0.0}
@@ -98,7 +98,6 @@ def number(rows: list[Strip], cell: int) -> str:
 
 
 def frame(rows: list[Strip], cell: int) -> Color | None:
-    """The colour of the frame around ``cell``, or None."""
     row, column = divmod(cell, 4)
     y, x = row * HEIGHT + 1, column * WIDTH
     return style_of(rows, y, x).color if rows[y].text[x] == "▌" else None
@@ -110,7 +109,6 @@ def arrow(rows: list[Strip], cell: int) -> Color | None:
 
 
 def chip(rows: list[Strip], text: str) -> tuple[int, int] | None:
-    """Row and column of ``text``, which occurs once at most."""
     found = [(y, each.text.index(text)) for y, each in enumerate(rows) if text in each.text]
     assert len(found) < 2
     return found[0] if found else None
@@ -165,12 +163,12 @@ def test_the_frame_fades_in_three_steps_and_stays_pale(bootstrap: float, role: s
 def test_an_arrow_that_turned_is_yours_for_four_ticks() -> None:
     before = learned(s9=0.4)
     turns = after(before, 9, RIGHT, 10, bootstrap=2.0)
-    motion, you = moved(before, turns), look().palette.you.color
-    seen = [arrow(drawn(turns, motion, tick), 9) == you for tick in range(LAST + 1)]
+    motion, ink = moved(before, turns), look().palette.focus.color
+    seen = [arrow(drawn(turns, motion, tick), 9) == ink for tick in range(LAST + 1)]
     assert seen == [False] * 3 + [True] * 4 + [False] * 3
     stays = after(before, 9, DOWN, 13, bootstrap=2.0)
     motion = moved(before, stays)
-    assert not any(arrow(drawn(stays, motion, tick), 9) == you for tick in range(LAST + 1))
+    assert not any(arrow(drawn(stays, motion, tick), 9) == ink for tick in range(LAST + 1))
 
 
 @pytest.mark.parametrize(("reward", "text", "role"), [(1.0, "◀+1", "goal"), (0.0, "◀0", "source")])
@@ -281,37 +279,42 @@ async def test_a_step_moves_the_map_until_the_timer_stops() -> None:
         assert len({tuple(rows) for rows in pictures}) == CHANGES + 4
         await press(pilot, "s")
         assert moving.motion.tick == 0
+        await press(pilot, "b")
+        assert rows_of(pilot) == pictures[-1], "a moment at rest has one picture however it is reached"
 
 
-@pytest.mark.parametrize(("speed", "ticks"), [(5.0, 3), (10.0, 1), (20.0, 0)])
-async def test_a_run_moves_by_its_speed(speed: float, ticks: int) -> None:
-    async with on_screen(app_of(), (120, 40)) as pilot:
-        await train(pilot, 300)
-        await press(pilot, "s")
-        following = snapshot(pilot)
-        await order(pilot, StepBack())
-        show(playground(pilot), changed(following, phase=Phase.RUNNING, speed=speed))
-        motion = mover(pilot).motion
-        assert motion is not None
-        assert len(motion.path) == ticks
-
-
-@pytest.mark.parametrize(("since", "ticks"), [(0, 0), (1, 1), (2, 1), (3, 3), (LAST, 3)])
-async def test_keys_that_follow_one_another_fast_let_less_travel(since: int, ticks: int) -> None:
+async def test_the_faster_a_run_is_and_the_faster_keys_follow_one_another_the_less_travels() -> None:
     app = app_of()
     async with on_screen(app, (120, 40)) as pilot:
         await train(pilot, 300)
-        await press(pilot, "s")
-        for _ in range(since):
-            mover(pilot).tick()
-        app.ticks = 15.0
-        await press(pilot, "s")
-        motion = mover(pilot).motion
-        assert motion is not None
-        assert len(motion.path) == ticks
+
+        def way() -> int:
+            motion = mover(pilot).motion
+            assert motion is not None
+            return len(motion.path)
+
+        for speed, ticks in ((5.0, 3), (10.0, 1), (20.0, 0)):
+            await press(pilot, "s")
+            following = snapshot(pilot)
+            await order(pilot, StepBack())
+            show(playground(pilot), changed(following, phase=Phase.RUNNING, speed=speed))
+            assert way() == ticks, speed
+            await settle(pilot)
+        for since, ticks in ((0, 0), (1, 1), (2, 1), (3, 3), (LAST, 3)):
+            app.ticks = 0.001
+            await press(pilot, "s")
+            for _ in range(since):
+                mover(pilot).tick()
+            app.ticks = 15.0
+            await press(pilot, "s")
+            assert way() == ticks, since
+            for _ in range(2):
+                await order(pilot, StepBack())
 
 
-async def test_a_picture_drawn_again_goes_on_and_a_step_back_does_not_move() -> None:
+async def test_a_picture_drawn_again_goes_on_a_step_back_does_not_move_and_a_slow_terminal_ends_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     async with on_screen(app_of(), (120, 40)) as pilot:
         await train(pilot, 300)
         await press(pilot, "s")
@@ -325,25 +328,7 @@ async def test_a_picture_drawn_again_goes_on_and_a_step_back_does_not_move() -> 
         assert moving.motion.is_over
         moving.tick()
         await press(pilot, "s")
-        assert mover(pilot).is_running
-
-
-async def test_a_moment_at_rest_has_one_picture_however_it_is_reached() -> None:
-    async with on_screen(app_of(), (120, 40)) as pilot:
-        await train(pilot, 300)
-        await press(pilot, "s")
-        for _ in range(LAST):
-            mover(pilot).tick()
-        stepped = rows_of(pilot)
-        await press(pilot, "s", "b")
-        assert rows_of(pilot) == stepped
-
-
-async def test_where_the_terminal_does_not_keep_up_the_motion_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with on_screen(app_of(), (120, 40)) as pilot:
-        await train(pilot, 300)
-        await press(pilot, "s")
-        moving = mover(pilot)
+        assert moving.is_running
         monkeypatch.setattr(RlTuiApp, "keeps_up", False)
         moving.tick()
         assert moving.motion is not None
@@ -353,25 +338,24 @@ async def test_where_the_terminal_does_not_keep_up_the_motion_ends(monkeypatch: 
 
 
 @pytest.mark.parametrize(
-    ("options", "keys"),
+    ("options", "views"),
     [
-        ({"ascii": True}, ()),
-        ({"colors": "none"}, ()),
-        ({"ticks": None}, ()),
-        ({}, ("w", "a")),
-        ({}, ("v",)),
-        ({}, ("w", "d")),
-        ({"scenario": "taxi"}, ()),
+        ({"ascii": True}, ("",)),
+        ({"colors": "none"}, ("",)),
+        ({"ticks": None}, ("",)),
+        ({}, ("w d", "escape w a", "w a v")),
+        ({"scenario": "taxi"}, ("",)),
     ],
 )
-async def test_nothing_moves(options: dict[str, Any], keys: tuple[str, ...]) -> None:
+async def test_nothing_moves(options: dict[str, Any], views: tuple[str, ...]) -> None:
     async with on_screen(app_of(**options), (80, 24)) as pilot:
         await train(pilot, 300)
-        await press(pilot, *keys)
-        before = snapshot(pilot).counters.step
-        await order(pilot, Step())
-        assert snapshot(pilot).counters.step == before + 1
-        assert (mover(pilot).motion, mover(pilot).is_running) == (None, False)
+        for keys in views:
+            await press(pilot, *keys.split())
+            before = snapshot(pilot).counters.step
+            await order(pilot, Step())
+            assert snapshot(pilot).counters.step == before + 1
+            assert (mover(pilot).motion, mover(pilot).is_running) == (None, False), keys
 
 
 @pytest.mark.parametrize(

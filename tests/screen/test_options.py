@@ -14,12 +14,11 @@ from rl_tui.live.snapshot import Phase
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.choice import algorithm_choice, policy_choice
-from rl_tui.screen.dialogs.dialog import ModelScreen
 from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.dialogs.options import Options, in_force
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.model.model import ModelPanel
+from rl_tui.screen.panels.model import ModelPanel
 from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.files.catalogue import find
@@ -63,7 +62,7 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         assert first.counters.last_step.planned
         assert (await press(pilot, "e")).counters.episodes == 1
         await press(pilot, "w", "m")
-        assert isinstance(pilot.app.screen, ModelScreen)
+        assert playground(pilot).board.opened == "model"
         assert pilot.app.screen.query_one(ModelPanel).pair in range(5)
         await press(pilot, "escape")
         await press(pilot, "a", "p")

@@ -34,42 +34,18 @@ VGA = TerminalTheme(
     (0, 0, 0),
     (170, 170, 170),
     [
-        (0, 0, 0),
-        (170, 0, 0),
-        (0, 170, 0),
-        (170, 85, 0),
-        (0, 0, 170),
-        (170, 0, 170),
-        (0, 170, 170),
-        (170, 170, 170),
+        *((0, 0, 0), (170, 0, 0), (0, 170, 0), (170, 85, 0)),
+        *((0, 0, 170), (170, 0, 170), (0, 170, 170), (170, 170, 170)),
     ],
     [
-        (85, 85, 85),
-        (255, 85, 85),
-        (85, 255, 85),
-        (255, 255, 85),
-        (85, 85, 255),
-        (255, 85, 255),
-        (85, 255, 255),
-        (255, 255, 255),
+        *((85, 85, 85), (255, 85, 85), (85, 255, 85), (255, 255, 85)),
+        *((85, 85, 255), (255, 85, 255), (85, 255, 255), (255, 255, 255)),
     ],
 )
 RGB_PALETTES = [palette_for(depth, dark) for depth in ("truecolor", "256") for dark in BOTH]
 NAMES = [palette.name for palette in RGB_PALETTES]
 LINES = (
-    *(
-        "text",
-        "dim",
-        "strong",
-        "press",
-        "best",
-        "you",
-        "optimum",
-        "greedy_line",
-        "episodes",
-        "good",
-        "bad",
-    ),
+    *("text", "dim", "strong", "press", "best", "you", "optimum", "greedy_line", "episodes", "good", "bad"),
     *("lane_1", "lane_2", "lane_3", "lane_4"),
 )
 GRAPHIC = ("hole", "cliff", "wall")  # signs as large as their cell, or hatching, not text
@@ -161,7 +137,6 @@ def test_colour_blind_eyes_tell_apart_what_must_be_told_apart(palette: Palette) 
 
 
 def at(palette: Palette, name: str) -> tuple[Color, Color]:
-    """Colour and background of a role that has both."""
     style = roles(palette)[name]
     assert style.color is not None
     assert style.bgcolor is not None

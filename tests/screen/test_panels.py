@@ -1,41 +1,43 @@
-"""The table of panels: a new panel needs only a row and a class."""
+"""The table of panels."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 import pytest
-from seams import notes, on_screen
+from seams import app_at, notes, on_screen
 from test_playground import playground, press
 from textual.pilot import Pilot
 from textual.strip import Strip
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.app import RlTuiApp
-from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.find import entries_on
+from rl_tui.screen.board import board, board_layout
 from rl_tui.screen.draw.canvas import Piece, strips_of
+from rl_tui.screen.frame import glossary
 from rl_tui.screen.frame.help import Explained
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.key_sheet import KeySheet
+from rl_tui.screen.keys import registry
 from rl_tui.screen.keys.action import Place
-from rl_tui.screen.keys.registry import all_actions
+from rl_tui.screen.keys.bindings import bindings_of
+from rl_tui.screen.keys.registry import ACTIONS, opening_actions
 from rl_tui.screen.kit.panel import BoardPanel, Panel
 from rl_tui.screen.kit.row import CURVE, MICROSCOPE, TABLE, OpeningKey, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.playground import playground as playground_screen
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.files.catalogue import find
 
 
 class StepCount(Panel):
-    """A made-up panel: the number of steps."""
-
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         self.heading = "Steps"
         text = "" if snapshot is None else f"{snapshot.counters.step} so far"
@@ -51,15 +53,30 @@ STEPS = PanelRow(
 )
 
 
-def app_with(row: PanelRow, scenario: str = "student") -> RlTuiApp:
-    make_player = partial(Player, automatic=False)
-    recipe = recipe_for(find(scenario), {}, 0)
-    return RlTuiApp(Display(fps=1000.0), recipe, make_player, picture=True, panels=(*PANELS, row))
+AppWith = Callable[..., RlTuiApp]
+
+
+@pytest.fixture
+def app_with(monkeypatch: pytest.MonkeyPatch) -> AppWith:
+    """Makes apps with one more row in the table."""
+
+    def make(row: PanelRow, scenario: str = "student") -> RlTuiApp:
+        for user in (board, board_layout, glossary, playground_screen):
+            monkeypatch.setattr(user, "PANELS", (*PANELS, row))
+        monkeypatch.setattr(registry, "ACTIONS", (*ACTIONS, *opening_actions([row])))
+        more = {"BINDINGS": bindings_of(opening_actions([row])), "__module__": Playground.__module__}
+        with_its_key = type("Playground", (Playground,), more)
+        monkeypatch.setattr(playground_screen, "Playground", with_its_key)
+        return app_at(recipe_for(find(scenario), {}, 0))
+
+    return make
 
 
 @pytest.mark.exhaustive("plays at another size", but=["size0"])
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_its_key_opens_and_closes_it_in_the_right_column(size: tuple[int, int]) -> None:
+async def test_its_key_opens_and_closes_it_in_the_right_column(
+    size: tuple[int, int], app_with: AppWith
+) -> None:
     async with on_screen(app_with(STEPS), size) as pilot:
         screen, board = playground(pilot), playground(pilot).board
         board.table.focus()
@@ -102,7 +119,7 @@ async def test_its_key_opens_and_closes_it_in_the_right_column(size: tuple[int, 
         assert screen.is_attached
 
 
-async def test_palette_help_and_key_line_list_it() -> None:
+async def test_palette_help_and_key_line_list_it(app_with: AppWith) -> None:
     app = app_with(STEPS)
     async with on_screen(app, (120, 40)) as pilot:
         screen = playground(pilot)
@@ -118,7 +135,7 @@ async def test_palette_help_and_key_line_list_it() -> None:
         assert any(line.startswith("  Step count") for line in lines)
 
 
-async def test_what_has_nothing_to_show_says_so() -> None:
+async def test_what_has_nothing_to_show_says_so(app_with: AppWith) -> None:
     row = replace(
         STEPS, lacks=lambda now: "" if isinstance(now.world.drawing, Arms) else "it has nothing to show"
     )
@@ -133,7 +150,7 @@ async def test_what_has_nothing_to_show_says_so() -> None:
 
 def test_the_rows_have_ids_and_keys_of_their_own() -> None:
     assert len({row.id for row in PANELS}) == len(PANELS)
-    keys = [key for action in all_actions() if Place.PLAYGROUND & action.place for key in action.keys]
+    keys = [key for action in ACTIONS if Place.PLAYGROUND & action.place for key in action.keys]
     assert len(set(keys)) == len(keys)
 
 
@@ -170,7 +187,9 @@ async def check_kept(pilot: Pilot[UserError], *keys: str) -> None:
 
 @pytest.mark.exhaustive("draws other worlds", but=["frozenlake-slippery"])
 @pytest.mark.parametrize("scenario", ["frozenlake-slippery", "student", "bandit", "cliff"])
-async def test_what_is_kept_from_frame_to_frame_is_what_would_be_drawn_afresh(scenario: str) -> None:
+async def test_what_is_kept_from_frame_to_frame_is_what_would_be_drawn_afresh(
+    scenario: str, app_with: AppWith
+) -> None:
     async with on_screen(app_with(STEPS, scenario), (120, 40)) as pilot:
         await check_kept(pilot, *ALONE)
         await press(pilot, "c", "a", "down", "enter")

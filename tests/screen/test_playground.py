@@ -6,11 +6,9 @@ from seams import on_screen, playground, press, screen_text, snapshot, tap, trai
 
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.app.app import RlTuiApp
-from rl_tui.screen.dialogs.dialog import ModelScreen
 from rl_tui.screen.frame.message_line import MessageLine
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.q_table.q_table import QTable
-from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import scenarios
 
 
@@ -25,8 +23,10 @@ async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_
         assert (await press(pilot, "s")).counters.step == 2
 
 
-async def test_it_starts_paused_s_takes_a_step_e_ends_the_episode_and_space_runs(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
+async def test_it_starts_paused_keys_step_and_run_and_set_the_speed_and_a_notice_hides_no_title(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         first = snapshot(pilot)
         assert (first.counters.step, first.playback.phase) == (0, Phase.PAUSED)
         assert first.playback.speed == 10.0
@@ -49,10 +49,6 @@ async def test_it_starts_paused_s_takes_a_step_e_ends_the_episode_and_space_runs
         assert again.playback.phase is Phase.PAUSED
         assert again.recipe.hyperparameters.ties == "first"
         assert again.recipe.seed == 0
-
-
-async def test_plus_and_minus_climb_the_speeds_and_a_notice_hides_no_title(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
         assert (await press(pilot, "plus")).playback.speed == 30.0
         assert (await press(pilot, "equals_sign")).playback.speed == 100.0
         assert (await press(pilot, "minus", "underscore", "minus")).playback.speed == 3.0
@@ -83,6 +79,7 @@ async def test_v_goes_round_the_layers_and_brackets_to_the_neighbouring_scenario
 async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         board = playground(pilot).board
+        width = board.query_one("#world").region.width
         await press(pilot, "f")
         assert board.zoomed == "world"
         assert board.query_one("#world").region == (0, 0, 79, 21), "the header gives its row to it"
@@ -97,7 +94,7 @@ async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> Non
         assert board.table.region.size == (board.size.width - 2, board.size.height)
         await press(pilot, "f")
         assert board.zoomed is None
-        assert board.query_one("#world").region.width == 44
+        assert board.query_one("#world").region.width == width
 
 
 async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_notes(
@@ -110,10 +107,10 @@ async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_no
             visited.append(board.panel_of(pilot.app.focused))
         assert visited == ["world", "table", "curve", "timeline", "controls", "controls"]
         await press(pilot, "w", "m")
-        assert isinstance(pilot.app.screen, ModelScreen)
+        assert board.opened == "model"
         await train(pilot, 10)
         await press(pilot, "escape")
-        assert isinstance(pilot.app.screen, Playground)
+        assert board.opened is None
         pilot.app.set_focus(None)
         await press(pilot, "question_mark", "3", "pagedown")
         assert "student MDP" in str(pilot.app.screen.query("MarkdownParagraph").last().render())

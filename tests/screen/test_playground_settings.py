@@ -26,7 +26,7 @@ def holes_of(shown: Snapshot) -> list[int]:
     return [cell for cell, kind in enumerate(shown.world.drawing.kinds) if kind is CellKind.HOLE]
 
 
-async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom_and_what_is_set_acts_at_once(
+async def test_1_2_3_go_to_the_sliders_out_of_a_zoom_or_another_slider_and_letters_do_what_they_say(
     make_app: MakeApp,
 ) -> None:
     async with on_screen(make_app("student")) as pilot:
@@ -43,12 +43,6 @@ async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom_and_what_is_set_acts_a
         assert snapshot(pilot).counters.step == 0
         typed = await press(pilot, "enter", "1", "enter")
         assert typed.agent.hyperparameters.epsilon == 1.0
-
-
-async def test_a_digit_goes_to_its_slider_from_another_one_and_letters_do_what_they_say(
-    make_app: MakeApp,
-) -> None:
-    async with on_screen(make_app("student")) as pilot:
         for key, name in (("2", "gamma"), ("3", "epsilon"), ("1", "alpha"), ("3", "epsilon")):
             await press(pilot, key)
             assert pilot.app.focused is slider(pilot.app, name)
@@ -60,23 +54,9 @@ async def test_a_digit_goes_to_its_slider_from_another_one_and_letters_do_what_t
         assert snapshot(pilot).agent.hyperparameters.epsilon == 0.4
 
 
-async def test_enter_and_escape_give_the_focus_back_to_where_it_was(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        await press(pilot, "s", "2", "escape")
-        assert pilot.app.focused is None
-        assert notes(pilot.app) == []
-        await press(pilot, "tab")
-        before = pilot.app.focused
-        assert before is not None
-        await press(pilot, "2", "3", "escape")
-        assert pilot.app.focused is before
-        await press(pilot, "3", "0", "enter")
-        assert pilot.app.focused is before
-        assert notes(pilot.app) == []
-        assert isinstance(pilot.app.screen, Playground)
-
-
-async def test_a_value_or_a_slider_that_is_none_is_told_and_so_is_the_tie_rule(make_app: MakeApp) -> None:
+async def test_a_value_or_a_slider_that_is_none_is_told_and_enter_and_escape_give_the_focus_back(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "3", "enter", *"30.4", "tab")
         assert pilot.app.focused is slider(pilot.app, "epsilon")
@@ -91,6 +71,18 @@ async def test_a_value_or_a_slider_that_is_none_is_told_and_so_is_the_tie_rule(m
         for ties in ("first", "random"):
             assert (await press(pilot, "a", "t")).agent.hyperparameters.ties == ties
             assert [ties in note for note in notes(pilot.app)] == [True]
+        await press(pilot, "s", "2", "escape")
+        assert pilot.app.focused is None
+        assert notes(pilot.app) == []
+        await press(pilot, "tab")
+        before = pilot.app.focused
+        assert before is not None
+        await press(pilot, "2", "3", "escape")
+        assert pilot.app.focused is before
+        await press(pilot, "3", "0", "enter")
+        assert pilot.app.focused is before
+        assert notes(pilot.app) == []
+        assert isinstance(pilot.app.screen, Playground)
 
 
 async def test_while_a_person_acts_digits_act_but_on_a_slider_they_are_typed(make_app: MakeApp) -> None:

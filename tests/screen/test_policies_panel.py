@@ -1,4 +1,4 @@
-"""The panel of policies, and the selected policy in world, table and curve: with real keys."""
+"""The panel of policies."""
 
 from __future__ import annotations
 
@@ -17,13 +17,7 @@ from rl_tui.agents.exact.policy_figures import greedy_policy, softened, uniform_
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PLANS, PolicyKind
-from rl_tui.runs.answers.policy_values import (
-    NO_CHANCES,
-    WHILE_RUNNING,
-    DrawnPolicy,
-    PolicyAnswer,
-    worth_of,
-)
+from rl_tui.runs.answers.policy_values import NO_CHANCES, WHILE_RUNNING, DrawnPolicy, PolicyAnswer, worth_of
 from rl_tui.runs.answers.view import AnswersView
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.number_here import number_here
@@ -50,7 +44,6 @@ def studied(
     choices: DrawnPolicy | None = None,
     **other: PolicyAnswer,
 ) -> Snapshot:
-    """``snapshot`` with random policies, greedy ones for Q, and ε-greedy ones with ε .1."""
     mdp = snapshot.world.mdp
     assert mdp is not None
     greedy = greedy_policy(mdp, snapshot.agent.q, "random")
@@ -209,24 +202,14 @@ def test_a_hidden_optimum_is_not_told() -> None:
     assert policies.AS_MUCH_AS_OPTIMAL not in said(hidden)
 
 
-@pytest.mark.parametrize("ascii", [False, True])
-@pytest.mark.parametrize("size", SIZES)
-def test_it_fits_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
-    for shown in (
-        None,
-        lake(),
-        studied(lake()),
-        studied(bandit(400)),
-        studied(student(), choices=DrawnPolicy(((0, 1),))),
-    ):
-        text = drawn(shown, *size, ascii=ascii)
-        assert not ascii or text.isascii()
-
-
-@pytest.mark.parametrize("height", [3, 4, 5, 6])
-@pytest.mark.parametrize("kind", PolicyKind)
-def test_the_cursor_is_always_seen(height: int, kind: PolicyKind) -> None:
-    assert "▸" in drawn(studied(lake(), kind), 27, height)
+def test_it_fits_any_size_and_its_cursor_is_always_seen() -> None:
+    choices = DrawnPolicy(((0, 1),))
+    for shown in (studied(lake()), studied(bandit(400)), studied(student(), choices=choices)):
+        for size in SIZES:
+            drawn(shown, *size)
+            assert drawn(shown, *size, ascii=True).isascii()
+    for kind in PolicyKind:
+        assert all("▸" in drawn(studied(lake(), kind), 27, height) for height in (3, 4, 5, 6)), kind
 
 
 def test_its_figures_can_be_asked() -> None:
@@ -297,7 +280,7 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert (await press(pilot, "d")).answers.studied is None
 
 
-async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> None:
+async def test_enter_keeps_it_on_world_table_and_curve_and_a_click_chooses_another(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 400)
         board = playground(pilot).board
@@ -322,7 +305,13 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         rows = [panel.render_line(y).text for y in range(panel.size.height)]
         y = next(y for y, row in enumerate(rows) if "agent" in row)
         await click(pilot, panel, offset=(4, y + 1))
-        assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
+        now = snapshot(pilot)
+        assert now.answers.studied is PolicyKind.BEHAVIOUR
+        waits = {kind: PolicyAnswer(refused=WHILE_RUNNING) for kind in PolicyKind}
+        answers = AnswersView(studied=PolicyKind.GREEDY, policies=waits)
+        show(playground(pilot), replace(now, answers=answers))
+        await pilot.pause()
+        assert "pause: V of the greedy policy" in headings(pilot)[0], "a dear world, while it runs"
 
 
 async def test_a_state_that_a_policy_may_never_leave_has_a_dash_and_arrows_are_the_likeliest_actions(
@@ -382,12 +371,3 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         assert world.differing == differs
         await press(pilot, "t", "p")
         assert str(board_title(pilot)).startswith("▸")
-
-
-async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        screen, now = playground(pilot), snapshot(pilot)
-        waits = {kind: PolicyAnswer(refused=WHILE_RUNNING) for kind in PolicyKind}
-        show(screen, replace(now, answers=AnswersView(studied=PolicyKind.GREEDY, policies=waits)))
-        await pilot.pause()
-        assert "pause: V of the greedy policy" in headings(pilot)[0]

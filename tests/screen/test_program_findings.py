@@ -1,4 +1,4 @@
-"""Findings, source and output of a watched program, drawn from snapshots made by hand."""
+"""Findings, source and output of a watched program."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from samples import look
 from seams import sized
 
 from rl_tui.programs.evidence.verdict import CodeFault, ProgramVerdict, Rule, UpdateFound
+from rl_tui.programs.watched.notebook import CodeCell, Notebook
 from rl_tui.programs.watched.program_log import OutputLine
 from rl_tui.screen.panels.program import output
 from rl_tui.screen.panels.program.findings import (
@@ -19,6 +20,7 @@ from rl_tui.screen.panels.program.findings import (
     NOTHING,
     FindingsPanel,
 )
+from rl_tui.screen.panels.program.program import ProgramPanel
 from rl_tui.screen.panels.program.words import IN_SHORT, is_own
 
 BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
@@ -175,3 +177,20 @@ def test_floods_are_bounded_and_silence_is_said() -> None:
     panel = output.OutputPanel(look())
     assert len(panel.rows(watched(program(output=flood)), 40, 10)) <= 8 * output.MOST_LINES
     assert output.NOTHING_WRITTEN in drawn(output.OutputPanel, watched(program(output=())))
+
+
+def test_a_notebook_has_cells_and_their_lines() -> None:
+    cells = (CodeCell(2, 10, ("import gymnasium",)), CodeCell(5, 20, ("for _ in range(9):", "    1 / 0")))
+    source = program(notebook=Notebook("", cells, 0), path="/home/someone/course.ipynb")
+    finding = replace(AFTER_END, line=22)
+    error = replace(failed().program.error, file=source.path, line=22)
+    found = watched(replace(source, verdict=ProgramVerdict(findings=(finding,))))
+    broken = watched(replace(source, error=error))
+    for panel, picture in ((FindingsPanel, found), (output.OutputPanel, broken), (ProgramPanel, broken)):
+        assert "cell 5, line 2" in drawn(panel, picture, 100), panel
+    for panel, picture in ((FindingsPanel, found), (output.OutputPanel, broken)):
+        assert "▸ 2     1 / 0" in drawn(panel, picture, 100), panel
+    elsewhere = replace(finding, file="/home/someone/helper.py")
+    said = drawn(FindingsPanel, watched(replace(source, verdict=ProgramVerdict(findings=(elsewhere,)))), 100)
+    assert "helper.py, line 22" in said
+    assert "1 / 0" not in said

@@ -1,4 +1,4 @@
-"""The panels of a watched program, and other panels for one, drawn from snapshots made by hand."""
+"""The panels of a watched program."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from rl_tui.screen.panels.program.findings import FindingsPanel
 from rl_tui.screen.panels.program.output import OutputPanel
 from rl_tui.screen.panels.program.program import UNKNOWN, ProgramPanel
 from rl_tui.screen.panels.program.words import IN_SHORT, ranked, share_text, update_texts
-from rl_tui.screen.panels.status_line import PROGRAM_ENDED, status_line
+from rl_tui.screen.panels.status_line import PROGRAM_ENDED, StatusLine
 
 BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
 
@@ -51,7 +51,6 @@ def title(snapshot: Snapshot) -> str:
 
 
 def microscope(snapshot: Snapshot) -> str:
-    """The text of the microscope in one column, without line breaks."""
     return " ".join(" ".join(row.text for row in page(snapshot, 0, look(), 90, 20)).split())
 
 
@@ -82,6 +81,18 @@ def test_an_update_that_is_not_known_says_why_and_nothing_else() -> None:
         assert claim not in text
 
 
+def test_where_the_whole_reason_does_not_fit_its_details_are_left_out() -> None:
+    few = "Too few numbers of the table have changed so far: 1 step changed one, after 0 rewards."
+    gamma = "γ is not known yet: the values of the next states were 0, or always the same."
+    text = drawn(ProgramPanel, unknown(few), 44, 6)
+    assert f"{UNKNOWN}: too few numbers of the table have changed so far" in " ".join(text.split())
+    assert "…" not in text
+    view = program(verdict=ProgramVerdict(update=KNOWN, notes=(gamma,)))
+    text = drawn(ProgramPanel, watched(view), 44, 5)
+    assert text.splitlines()[-1].rstrip() == " note: γ is not known yet   a f shows it"
+    assert gamma in " ".join(drawn(ProgramPanel, watched(view), 44, 6).split())
+
+
 def test_an_update_of_which_the_numbers_fit_but_no_step_decides_the_rule() -> None:
     reason = "No step yet tells Q-learning from SARSA: the next actions were greedy ones."
     open_rule = UpdateFound(alpha=0.1, alpha_schedule="constant", gamma=0.99, reason=reason)
@@ -96,6 +107,23 @@ def test_without_a_table_it_says_what_was_looked_for() -> None:
     view = program(table=None, verdict=ProgramVerdict(), looked_for=("an array of 16×4", "a dict"))
     text = " ".join(drawn(ProgramPanel, watched(view), 80, 4).split())
     assert "an array of 16×4; a dict" in text
+
+
+def test_a_table_that_was_wanted_is_named() -> None:
+    view = program(table=None, verdict=ProgramVerdict(), looked_for=("a dict",), wanted="foo")
+    assert "no table found named foo where env.step was called" in drawn(ProgramPanel, watched(view), 80, 4)
+    assert "No table named foo was found" in drawn(FindingsPanel, watched(view), 80)
+
+
+def test_beside_a_target_of_no_rule_nothing_wrong_is_not_said() -> None:
+    update = replace(KNOWN, target=UpdateTarget.OWN_STATE)
+    view = program(verdict=ProgramVerdict(update=update, notes=("The target uses max Q(s).",)))
+    for kind in (ProgramPanel, FindingsPanel):
+        text = drawn(kind, watched(view), 80)
+        assert "1 note, no bug proved in" in text
+        assert "nothing wrong" not in text
+    for width in range(20, 60, 4):
+        assert "nothing wrong" not in drawn(ProgramPanel, watched(view), width)
 
 
 def test_a_dictionary_has_no_shape_for_it_grows() -> None:
@@ -124,7 +152,7 @@ def test_what_it_raised_stands_there_whole_and_comes_before_that_it_stopped() ->
     assert "index 16 is out of bounds for axis 0 with size 16" in " ".join(text.split())
     said = "your program stopped: line 15: IndexError: index 16 is out of bounds for axis 0"
     picture = changed(failed(), phase=Phase.STOPPED, message=said)
-    row = "".join(piece.text for piece in status_line(picture, look(), 80))
+    row = drawn(StatusLine, picture, 80, 1)
     assert row.endswith("line 15: IndexError: index 16 is out of bounds for axis 0")
 
 
@@ -252,7 +280,7 @@ def test_a_step_that_departs_says_so() -> None:
     assert picture.program is not None
     picture = replace(picture, program=replace(picture.program, verdict=ProgramVerdict(update=KNOWN)))
     picture = changed(picture, author=Author(OWN_PROGRAM.id, picture.agent.hyperparameters))
-    assert "this step departs from the update that fits the others" in story(picture, 110)
+    assert "this step differs from the update that fits the others" in story(picture, 110)
 
 
 def test_a_step_size_that_varies_is_that_of_the_step() -> None:
@@ -337,9 +365,9 @@ def test_an_action_that_is_one_of_all_equal_ones_is_not_called_greedy() -> None:
     pairs, q = picture.world.space.pairs_of(last.state), picture.agent.q.copy()
     q[pairs.start : pairs.stop] = last.before
     q[last.updated_pair] = last.after
-    assert title(changed(picture, q=q)) == "Last step · your program chose it: all 4 equal"
+    assert title(changed(picture, q=q)) == "Last step · your program chose it: all 4 tied"
     q[next(each for each in pairs if each != last.pair)] = last.before - 1.0
-    assert "greedy, one of 3 equal" in title(changed(picture, q=q))
+    assert "greedy, one of 3 tied" in title(changed(picture, q=q))
 
 
 def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known() -> None:
@@ -369,7 +397,7 @@ def test_a_product_in_a_finding_is_no_minus_in_ascii() -> None:
 
 
 def status(snapshot: Snapshot, width: int = 110) -> str:
-    return "".join(piece.text for piece in status_line(snapshot, look(), width))
+    return drawn(StatusLine, snapshot, width, 1)
 
 
 def test_the_status_line_names_the_program_and_says_that_it_has_ended() -> None:

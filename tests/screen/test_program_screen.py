@@ -1,4 +1,4 @@
-"""A watched script in the playground: real keys, and a real process behind it."""
+"""A watched script in the playground."""
 
 from __future__ import annotations
 
@@ -49,6 +49,19 @@ SCRIPT = """\
     """
 
 
+GRID = """\
+def step(state, action):
+    after = max(0, state + (1 if action else -1))
+    return after, -1.0, after == 3
+Q = np.zeros((4, 2))
+for episode in range(9):
+    state, done = 0, False
+    while not done:
+        action = random.randrange(2)
+        after, reward, done = step(state, action)
+        Q[state, action] += 0.1 * (reward + 0.9 * Q[after].max() * (not done) - Q[state, action])
+        state = after
+"""
 WALK = """\
     import gymnasium as gym
     env = gym.make("CliffWalking-v1", max_episode_steps=200)
@@ -64,7 +77,6 @@ WALK = """\
 
 @pytest.fixture
 def script(tmp_path: Path) -> Path:
-    """A script that learns by the book."""
     path = tmp_path / "cliff.py"
     path.write_text(dedent(SCRIPT).format(end="* (not terminated)"), encoding="utf-8")
     return path
@@ -81,7 +93,7 @@ async def watching(path: Path, size: tuple[int, int] = (120, 40)) -> AsyncIterat
         program.end()
 
 
-async def test_it_stands_at_its_beginning_and_says_how_to_go_on_until_it_has_begun(script: Path) -> None:
+async def test_it_stands_at_its_beginning_says_how_to_go_on_and_has_keys_of_its_own(script: Path) -> None:
     async with watching(script, (80, 24)) as pilot:
         assert snapshot(pilot).counters.step == 0
         assert notes(pilot.app) == [FIRST_KEYS]
@@ -92,6 +104,26 @@ async def test_it_stands_at_its_beginning_and_says_how_to_go_on_until_it_has_beg
         await train(pilot, 3)
         assert notes(pilot.app) == []
         assert (await press(pilot, "s")).counters.step == 4
+        await pilot.resize_terminal(160, 40)
+        await press(pilot, "s")
+        line = screen_text(pilot.app).splitlines()[-1]
+        for there in ("space run", "b back", "a agent", "t tools"):
+            assert there in line
+        assert "you act" not in line
+        await press(pilot, "a")
+        menu = screen_text(pilot.app).splitlines()[-4:]
+        for there in ("Your program", "findings", "output", "table…"):
+            assert any(there in row for row in menu), there
+        for gone in ("algorithm", "policy", "evaluate"):
+            assert not any(gone in row for row in menu), gone
+        await press(pilot, "w")
+        assert board.shows(OUTPUT)
+        assert not board.shows(TABLE)
+        assert "│ training starts" in screen_text(pilot.app)
+        await press(pilot, "a", "w")
+        assert board.shows(TABLE)
+        await press(pilot, "question_mark", "3")
+        assert "Your script under rl-tui watch" in " ".join(screen_text(pilot.app).split())
 
 
 DECIDED = DECIDES.format(file="cliff.py")
@@ -114,11 +146,9 @@ REFUSED = {
 """The refused actions by their keys, and their refusals."""
 
 
-async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
-    script: Path,
-) -> None:
+async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(script: Path) -> None:
     async with watching(script) as pilot:
-        screen, before = pilot.app.screen, playground(pilot).link.sent
+        screen, before = pilot.app.screen, playground(pilot).wanted.sent
         for keys, instead in REFUSED.items():
             await press(pilot, *keys.split())
             if " " in keys:
@@ -129,7 +159,7 @@ async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
             assert len(said) == 1, keys
             assert instead.lower() in said[0].lower(), keys
         assert pilot.app.screen is screen
-        assert playground(pilot).link.sent == before
+        assert playground(pilot).wanted.sent == before
         await train(pilot, 50)
         program = snapshot(pilot).program
         assert program.table.others
@@ -142,11 +172,23 @@ async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
         assert snapshot(pilot).program.table.name == program.table.others[0]
 
 
-async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_return(tmp_path: Path) -> None:
+async def test_without_a_table_nothing_is_called_an_estimate_and_a_flip_sets_no_gamma(tmp_path: Path) -> None:
     path = tmp_path / "lake.py"
     path.write_text(dedent(WALK).replace("CliffWalking-v1", "FrozenLake-v1"), encoding="utf-8")
     async with watching(path) as pilot:
-        await train(pilot, 200)
+        await train(pilot, 20)
+        assert snapshot(pilot).program.table is None  # type: ignore[union-attr]
+        assert snapshot(pilot).agent.visits.any()
+        text, table = screen_text(pilot.app), playground(pilot).board.table
+        for told in ("searched for: an array", "no table was found, so no change is known", f"Q  {NO_TABLE}"):
+            assert told in text
+        assert "– no table" in text
+        assert table.layer_choices == (Layer.Q, Layer.OPTIMAL, Layer.VISITS)
+        playground(pilot).board.show_layer(Layer.VISITS)
+        shown = "".join(table.render_line(y).text for y in range(1, 12))
+        assert any(str(count) in shown for count in range(1, 9))
+        playground(pilot).board.show_layer(Layer.Q)
+        await train(pilot, 180)
         text = screen_text(pilot.app)
         for claim in (MAY_NEVER_END, "0.00", f"{GREEDY} ", "not tried"):
             assert claim not in text
@@ -157,31 +199,13 @@ async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_r
         (said,) = notes(pilot.app)
         assert said.rstrip(".").lower() == DECIDES.format(file="lake.py").lower()
         assert snapshot(pilot).agent.hyperparameters.gamma == gamma
-
-
-async def test_its_keys_and_its_output_are_at_hand_and_our_keys_are_not(script: Path) -> None:
-    async with watching(script, (160, 40)) as pilot:
-        board = playground(pilot).board
-        await train(pilot, 5)
-        await press(pilot, "s")
-        line = screen_text(pilot.app).splitlines()[-1]
-        for there in ("space run", "b back", "a agent", "t tools"):
-            assert there in line
-        assert "you act" not in line
-        await press(pilot, "a")
-        menu = screen_text(pilot.app).splitlines()[-4:]
-        for there in ("Your program", "findings", "output", "table…"):
-            assert any(there in row for row in menu), there
-        for gone in ("algorithm", "policy", "evaluate"):
-            assert not any(gone in row for row in menu), gone
-        await press(pilot, "w")
-        assert board.shows(OUTPUT)
-        assert not board.shows(TABLE)
-        assert "│ training starts" in screen_text(pilot.app)
-        await press(pilot, "a", "w")
-        assert board.shows(TABLE)
-        await press(pilot, "question_mark", "3")
-        assert "Your script under rl-tui watch" in " ".join(screen_text(pilot.app).split())
+        await press(pilot, "escape", "c", "a")
+        await choose(pilot, "sarsa")
+        assert playground(pilot).board.is_paired
+        assert DIFFERS not in screen_text(pilot.app)  # it is not compared with ours
+        await press(pilot, "c", "e")
+        assert "Not here: your program is in control" in screen_text(pilot.app)
+        await press(pilot, "escape")
 
 
 async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -> None:
@@ -203,33 +227,12 @@ async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -
         assert now.counters.last_step.terminated
 
 
-async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) -> None:
-    path = tmp_path / "random_walk.py"
-    path.write_text(dedent(WALK), encoding="utf-8")
+async def test_no_run_is_offered_beside_a_world_of_the_program_alone(tmp_path: Path) -> None:
+    path = tmp_path / "own.py"
+    path.write_text("import random, numpy as np\n" + GRID)
     async with watching(path) as pilot:
-        await train(pilot, 20)
-        assert snapshot(pilot).program.table is None  # type: ignore[union-attr]
-        assert snapshot(pilot).agent.visits.any()
-        assert "0.00" not in "".join(playground(pilot).board.table.render_line(y).text for y in range(1, 12))
-        text = screen_text(pilot.app)
-        assert "searched for: an array" in text
-        assert "no table was found, so no change is known" in text
-        assert f"Q  {NO_TABLE}" in text
-        assert "– no table" in text
-        assert MAY_NEVER_END not in text
-        table = playground(pilot).board.table
-        assert table.layer_choices == (Layer.Q, Layer.OPTIMAL, Layer.VISITS)
-        playground(pilot).board.show_layer(Layer.VISITS)
-        shown = "".join(table.render_line(y).text for y in range(1, 12))
-        assert any(str(count) in shown for count in range(1, 9))
-        await train(pilot, 40)
         await press(pilot, "c", "a")
-        await choose(pilot, "sarsa")
-        assert playground(pilot).board.is_paired
-        assert DIFFERS not in screen_text(pilot.app)  # it is not compared with ours
-        await press(pilot, "c", "e")
-        assert "Not here: your program is in control" in screen_text(pilot.app)
-        await press(pilot, "escape")
+        assert "Not here: only your program can create this environment" in screen_text(pilot.app)
 
 
 async def test_the_step_back_is_told_as_it_was_and_an_agent_of_ours_stands_beside_it(script: Path) -> None:
@@ -252,7 +255,7 @@ async def test_the_step_back_is_told_as_it_was_and_an_agent_of_ours_stands_besid
         assert playground(pilot).board.is_paired
         assert "cliff.py" in screen_text(pilot.app)
         await press(pilot, "c", "c")
-        assert "One seed decides nothing: rl-tui grade runs your program" in screen_text(pilot.app)
+        assert "One seed proves nothing: rl-tui grade runs your program" in screen_text(pilot.app)
 
 
 async def test_it_starts_again_and_it_ends(script: Path) -> None:

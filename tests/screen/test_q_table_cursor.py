@@ -1,4 +1,4 @@
-"""The cursor of the Q-table, and the rows that are redrawn."""
+"""The cursor of the Q-table."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def pair_of(state: Snapshot, cell: int, action: int) -> int:
     return int(state.world.space.first_pair[cell]) + action
 
 
-async def test_before_the_first_snapshot_it_says_what_comes() -> None:
+def test_before_the_first_snapshot_it_says_what_comes() -> None:
     table = sized(QTable(look()), 60, 5)
     assert "come with the first step" in table.picture(None, 60, 5)[0].text
 
@@ -93,16 +93,15 @@ async def test_a_moved_cursor_stops_the_following_until_escape() -> None:
         assert FOLLOW_HINT not in app.table.footing
         assert app.moves[-1] is None
         assert app.table.cursor_pair is None
-        await pilot.press("pagedown", "escape")
-        assert "◉ 0" in app.text
-
-
-async def test_escape_is_left_to_the_screen_while_it_follows() -> None:
-    app = Bench(lake())
-    async with app.run_test(size=(80, 30)):
-        assert app.table.check_action("follow", ()) is False
-        app.table.action_move(1, 0)
+        await pilot.press("pagedown")
         assert app.table.check_action("follow", ()) is True
+        await pilot.press("escape")
+        assert "◉ 0" in app.text
+        assert app.table.check_action("follow", ()) is False, "escape is left to the screen"
+        await pilot.press("end")
+        app.table.show(lake(0))
+        assert app.table.cursor_pair is None, "another world starts at the top"
+        assert "◉ 0" in app.strip(1).text
 
 
 async def test_a_click_puts_the_cursor_on_the_cell() -> None:
@@ -151,15 +150,6 @@ async def test_only_rows_that_changed_are_refreshed(monkeypatch: pytest.MonkeyPa
         regions.clear()
         app.table.show(changed(state, q=q.copy(), step=state.counters.step + 1))
         assert regions == []
-
-
-async def test_another_world_starts_at_the_top() -> None:
-    app = Bench(big_lake())
-    async with app.run_test(size=(80, 30)) as pilot:
-        await pilot.press("end")
-        app.table.show(lake(0))
-        assert app.table.cursor_pair is None
-        assert "◉ 0" in app.strip(1).text
 
 
 async def test_a_list_of_pairs_has_the_order_of_the_columns() -> None:

@@ -68,6 +68,6 @@ async def test_ascii_screens_hold_ascii_characters_only(make_app: MakeApp, size:
         assert screen_text(pilot.app).isascii()
         for keys in ("question_mark", "w m", "ctrl+p", "r i", "a a", *MENUS):
             await press(pilot, *keys.split())
-            assert len(pilot.app.screen_stack) == 3, keys
+            assert len(pilot.app.screen_stack) == (2 if keys == "w m" else 3), keys  # a panel, or a dialog
             assert screen_text(pilot.app).isascii(), keys
             await press(pilot, "escape")

@@ -48,8 +48,6 @@ NOW = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)
 
 @pytest.fixture
 def app_with_sessions(tmp_path: Path) -> MakeSessionApp:
-    """An app with its sessions in a folder of the test."""
-
     def make(start: object = None) -> RlTuiApp:
         return app_at(start, sessions=tmp_path)
 
@@ -81,12 +79,10 @@ def details(pilot: Pilot[UserError]) -> str:
 
 
 def about(pilot: Pilot[UserError]) -> str:
-    """The heading of the details."""
     return words_of(pilot.app.screen.query_one("#heading")).rstrip("─- ")
 
 
 async def finished(pilot: Pilot[UserError], work: str) -> None:
-    """Wait for the work of this name, if it is still running."""
     for worker in list(pilot.app.workers):
         if worker.name == work:
             await worker.wait()
@@ -154,6 +150,22 @@ async def test_the_third_door_names_the_newest_session_and_goes_on_with_it(
         assert about(pilot) == find("student").title
         assert "◑ A student's evening" in words_of(pilot.app.screen.query_one("#scenarios"))
         await pilot.press("3")
+        await finished(pilot, "resume the session")
+        await settle(pilot)
+        assert step(pilot) == 9
+
+
+async def test_the_filter_counts_lists_and_resumes_sessions(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    write(tmp_path, "a.json", order=1)
+    write(tmp_path, "b.json", record(9), order=2, title="my run")
+    async with on_screen(app_with_sessions()) as pilot:
+        await tap(pilot, "slash", *"my", "space", *"run")
+        found = words_of(pilot.app.screen.query_one("#filter-found"))
+        assert found.endswith("worlds · 1 session")
+        assert about(pilot) == "Session: my run"
+        await pilot.press("enter")
         await finished(pilot, "resume the session")
         await settle(pilot)
         assert step(pilot) == 9
@@ -259,6 +271,8 @@ async def test_it_is_saved_under_a_name_and_goes_on_there(
         await pilot.pause()
         await finished(pilot, "save the session")
         assert any(f"saved: {tmp_path.resolve()}/evening-2.json" in each for each in notes(pilot.app))
+        await pilot.press("v")
+        assert notes(pilot.app) == [], "the next key ends the message"
         await pilot.pause()
         assert "Evening 2" in words_of(pilot.app.screen.query_one("#status"))
         await tap(pilot, "s")

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import product
+
 import pytest
 from rich.segment import Segment
 from samples import look
@@ -87,6 +89,7 @@ def drawn(parameter: Parameter, state: SliderState, width: int, *, ascii: bool =
         (SliderState(0.5, typed="0.2"), 26, " α ━━━━━━━━●─────── 0.2   "),
         (SliderState(0.5, refused=True), 26, " α ━━━━●─── not in (0, 1] "),
         (SliderState(0.5), 9, " α 0.500 "),
+        (SliderState(0.5), 7, " α .500"),
         (SliderState(0.5), 4, " α  "),
     ],
 )
@@ -98,6 +101,10 @@ def test_it_is_drawn_in_one_row_without_cutting_a_number(
         assert text == expected
     else:
         assert text.split() == expected.split()
+
+
+def test_a_long_symbol_is_shortened_before_the_number_is_left_out() -> None:
+    assert drawn(ALPHA, SliderState(0.5), 9, ascii=True) == " alp .500"
 
 
 @pytest.mark.parametrize(
@@ -125,16 +132,12 @@ def test_what_a_lesson_points_at_has_a_sign_without_colours(ascii: bool) -> None
     assert lit == (">" if ascii else "▸") + plain[1:]
 
 
-@pytest.mark.parametrize("width", range(1, 70))
-def test_every_width_is_filled_exactly(width: int) -> None:
-    for value in (0.001, 0.37, 1.0, SAMPLE_AVERAGE):
-        for state in (
-            SliderState(value),
-            SliderState(value, "0.1", focused=True),
-            SliderState(value, refused=True),
-        ):
-            drawn(ALPHA, state, width)
-            drawn(ALPHA, state, width, ascii=True).encode("ascii")
+@pytest.mark.parametrize("value", [0.001, 0.37, 1.0, SAMPLE_AVERAGE])
+def test_every_width_is_filled_exactly(value: float) -> None:
+    states = SliderState(value), SliderState(value, "0.1", focused=True), SliderState(value, refused=True)
+    for width, state in product(range(1, 70), states):
+        drawn(ALPHA, state, width)
+        drawn(ALPHA, state, width, ascii=True).encode("ascii")
 
 
 @pytest.mark.parametrize("scale", [UNIT, OPEN], ids=["closed", "open"])
@@ -189,13 +192,18 @@ def test_what_is_no_step_size_is_refused(text: str) -> None:
 def test_words_belong_to_their_parameter() -> None:
     with pytest.raises(ValueError, match="is not a number from 0 to 1"):
         parsed("1/n", GAMMA)
-    with pytest.raises(ValueError, match="takes words only"):
+    with pytest.raises(ValueError, match="has only words as values"):
         Slider(look(), PARAMETERS["ties"], "random")
 
 
 async def test_keys_move_it_and_each_movement_is_posted() -> None:
     app = Bench()
     async with app.run_test() as pilot:
+        focused = app.slider.render_line(0)
+        await pilot.press("tab")
+        assert app.slider.render_line(0) != focused, "the focus is seen"
+        assert app.slider.render_line(0).text == focused.text
+        await pilot.press("shift+tab")
         keys = ("right", "left", "left", "shift+right", "greater_than_sign", "shift+left", "less_than_sign")
         await pilot.press(*keys, "pageup", "pagedown", "pagedown", "home", "home", "left", "end", "right")
         values = [0.51, 0.5, 0.49, 0.491, 0.492, 0.491, 0.49, 0.59, 0.49, 0.39, 0.0, 1.0]
@@ -204,11 +212,26 @@ async def test_keys_move_it_and_each_movement_is_posted() -> None:
         assert "━● 1.000" in app.text.replace("  ", " ")
 
 
-async def test_keys_never_leave_a_range_with_an_open_end() -> None:
-    app = Bench(ALPHA, 0.02)
+@pytest.mark.parametrize(
+    ("name", "value", "keys", "values"),
+    [
+        (
+            "alpha",
+            0.02,
+            ["left", "left", "left", "shift+left", "home", "pagedown"],
+            [0.01, 0.001],
+        ),  # an open end
+        ("alpha", SAMPLE_AVERAGE, ["right"], [0.1]),  # from a word to the default, for there was no number
+        ("temperature", 0.1, ["right", "pageup", "end", "home"], [0.11, 0.28, 100.0, 0.01]),
+    ],
+)
+async def test_keys_never_leave_the_range_and_go_by_its_scale(
+    name: str, value: float | str, keys: list[str], values: list[float]
+) -> None:
+    app = Bench(PARAMETERS[name], value)
     async with app.run_test() as pilot:
-        await pilot.press("left", "left", "left", "shift+left", "home", "pagedown")
-        assert app.changes == [("alpha", 0.01), ("alpha", 0.001)]
+        await pilot.press(*keys)
+        assert app.changes == [(name, value) for value in values]
 
 
 async def test_a_value_is_typed_in_its_place() -> None:
@@ -221,8 +244,21 @@ async def test_a_value_is_typed_in_its_place() -> None:
         assert app.changes == [("gamma", 0.25)]
         await pilot.press("full_stop", "7", "escape")
         assert app.slider.value == 0.25
-        assert app.stolen == 0
         assert "0.250" in app.text
+        await pilot.press("0", "full_stop", "3")
+        app.post_message(events.AppBlur())
+        await pilot.pause()
+        app.post_message(events.AppFocus())
+        await pilot.pause()
+        assert len(app.changes) == 1, "it waits while the terminal has no focus"
+        await pilot.press("3", "enter")
+        assert app.changes[1:] == [("gamma", 0.33)]
+        assert app.stolen == 0
+        app.slider.set_value(1)
+        await pilot.pause()
+        assert app.slider.value == 1.0
+        assert "1.000" in app.text
+        assert len(app.changes) == 2, "that is silent"
 
 
 async def test_what_is_typed_out_of_range_is_refused_with_the_range() -> None:
@@ -253,17 +289,12 @@ async def test_words_are_typed_and_keys_go_back_to_the_last_number() -> None:
         assert app.stolen == 0
 
 
-async def test_letters_are_left_to_the_screen_while_nothing_is_typed() -> None:
-    app = Bench(ALPHA, 0.3)
-    async with app.run_test() as pilot:
-        await pilot.press("s", "e", "n")
-        assert app.stolen == 3
-        assert app.slider.value == 0.3
-
-
-async def test_a_letter_sets_what_was_typed_before_it_does_what_it_does() -> None:
+async def test_letters_are_left_to_the_screen_once_what_was_typed_is_set() -> None:
     app = Bench()
     async with app.run_test() as pilot:
+        await pilot.press("s", "e", "n")
+        assert (app.stolen, app.slider.value) == (3, 0.5)
+        app.changes, app.stolen = [], 0
         await pilot.press("0", "full_stop", "4", "s", "full_stop", "7", "e")
         assert app.changes == [("gamma", 0.4), ("stolen", 1), ("gamma", 0.7), ("stolen", 2)]
         await pilot.press("9", "n")
@@ -325,29 +356,11 @@ async def test_a_click_elsewhere_sets_what_was_typed_and_one_on_the_value_begins
         assert app.changes == [("gamma", 0.2)]
 
 
-async def test_what_is_typed_waits_while_the_terminal_has_no_focus() -> None:
-    app = Bench()
-    async with app.run_test() as pilot:
-        await pilot.press("0", "full_stop", "3")
-        app.post_message(events.AppBlur())
-        await pilot.pause()
-        app.post_message(events.AppFocus())
-        await pilot.pause()
-        assert app.changes == []
-        await pilot.press("3", "enter")
-        assert app.changes == [("gamma", 0.33)]
-
-
-async def test_from_a_word_it_goes_to_the_default_where_there_was_no_number() -> None:
+async def test_both_ends_and_every_cell_are_reached_by_a_click_to_which_a_word_gives_way() -> None:
     app = Bench(ALPHA, SAMPLE_AVERAGE)
     async with app.run_test() as pilot:
-        await pilot.press("right")
+        await pilot.click(app.slider, offset=(30, 0))
         assert app.changes == [("alpha", 0.1)]
-
-
-async def test_both_ends_and_every_cell_are_reached_by_a_click() -> None:
-    app = Bench(ALPHA, 0.5)
-    async with app.run_test() as pilot:
         for column in app.track:
             await pilot.click(app.slider, offset=(column, 0))
             value = app.slider.value
@@ -392,32 +405,6 @@ async def test_the_wheel_moves_it_by_a_step() -> None:
         assert app.changes == [("epsilon", 1.0), ("epsilon", 0.99)]
 
 
-async def test_a_word_gives_way_to_a_click() -> None:
-    app = Bench(ALPHA, SAMPLE_AVERAGE)
-    async with app.run_test() as pilot:
-        await pilot.click(app.slider, offset=(30, 0))
-        assert app.changes == [("alpha", 0.1)]
-
-
-async def test_set_value_is_silent() -> None:
-    app = Bench()
-    async with app.run_test() as pilot:
-        app.slider.set_value(1)
-        await pilot.pause()
-        assert app.slider.value == 1.0
-        assert "1.000" in app.text
-        assert app.changes == []
-
-
-async def test_the_focus_is_seen() -> None:
-    app = Bench()
-    async with app.run_test() as pilot:
-        focused = app.slider.render_line(0)
-        await pilot.press("tab")
-        assert app.slider.render_line(0) != focused
-        assert app.slider.render_line(0).text == focused.text
-
-
 def test_spelled_out_sliders_one_above_the_other_begin_in_one_column() -> None:
     rows = [
         slider_strip(each, UNIT, SliderState(0.5), look(ascii=True), 60).text
@@ -450,15 +437,8 @@ def test_a_temperature_is_walked_in_equal_ratios() -> None:
 
 
 def test_its_thumb_stands_where_the_ratio_is() -> None:
-    assert [TAU.cell_of(value, 41) for value in (0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1e6)] == [
-        0,
-        0,
-        10,
-        20,
-        30,
-        40,
-        40,
-    ]
+    values = 0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1e6
+    assert [TAU.cell_of(value, 41) for value in values] == [0, 0, 10, 20, 30, 40, 40]
     assert [TAU.at_cell(cell, 41) for cell in (0, 10, 20, 30, 40)] == [0.01, 0.1, 1.0, 10.0, 100.0]
     for cells in (5, 17, 33):
         assert all(TAU.cell_of(TAU.at_cell(cell, cells), cells) == cell for cell in range(cells))
@@ -479,11 +459,3 @@ def test_a_slider_spans_what_people_try() -> None:
     for parameter in PARAMETERS.values():
         if parameter.slide is not None:
             assert "●" in drawn(parameter, SliderState(0.1), 40)
-
-
-async def test_keys_move_a_temperature() -> None:
-    async with Bench(PARAMETERS["temperature"], 0.1).run_test() as pilot:
-        app = pilot.app
-        assert isinstance(app, Bench)
-        await pilot.press("right", "pageup", "end", "home")
-        assert [value for _, value in app.changes] == [0.11, 0.28, 100.0, 0.01]

@@ -1,43 +1,59 @@
-"""No size of the terminal breaks a panel or a dialog, nor does a resize while one is open."""
+"""No size of the terminal breaks a panel or a dialog."""
 
 from __future__ import annotations
 
 from itertools import product
 
+import numpy as np
 import pytest
 from conftest import MakeApp
+from drawn_curves import flat
 from lane_samples import side_by_side
 from program_samples import failed, watched
-from samples import bandit, lake, look, planning, stepped_lake, student
+from rich.cells import cell_len
+from samples import bandit, big_lake, lake, look, planning, stepped_lake, student
 from seams import on_screen, screen_text, sized
 from snapshots import changed
-from study_samples import lake_study
+from study_samples import bandit_study, cliff_study, lake_study
 from textual.pilot import Pilot
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.background.background import Background
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.row import WORLD, PanelRow
+from rl_tui.screen.kit.row import CURVE, WORLD, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.screen.playground.playground import Playground
+from rl_tui.screen.theme.glyphs import UNICODE
+from rl_tui.screen.theme.look import Look
+from rl_tui.studies.many_seeds.figures import SeedStudy, StudyState
 
-SIZES = [(1, 1), (5, 5), (20, 8), (7, 40), (200, 3)]
+SIZES = [(1, 1), (5, 5), (13, 2), (20, 8), (36, 13), (7, 40), (120, 20), (200, 3)]
 MORE = list(product((*range(1, 16), 40, 80, 250), (*range(1, 8), 18, 70)))
 SMALL = [(20, 8), (7, 5)]
 LEAVES = ("quit", "suspend", "back")
 MOVES = ("run.", "previous_scenario", "next_scenario")  # these open nothing
 
 
-def samples() -> list[Snapshot]:
-    studied = changed(lake(), study=lake_study())
-    ours = [lake(), lake(0), studied, student(), bandit(), stepped_lake(), planning(), side_by_side(2)]
-    return [*ours, watched(), failed()]
+def samples() -> list[Snapshot | None]:
+    start = [None, lake(0), student(0), bandit(0), bandit(400), changed(lake(), is_hidden=True)]
+    ours = [lake(), student(), bandit(), big_lake(), stepped_lake(), planning(), watched(), failed()]
+    moving, equal = changed(lake(), phase=Phase.RUNNING, speed=None), lake(curve=flat(1.0))
+    lanes = [side_by_side(2), side_by_side(4, 3), side_by_side(2, 1, study=cliff_study())]
+    of_arms = bandit(400, study=bandit_study(), is_hidden=False)
+    refused = SeedStudy(StudyState.FAILED, message="not in a kiosk")
+    studied = [lake(study=lake_study()), lake(study=refused), of_arms]
+    return [*start, *ours, moving, equal, *lanes, *studied]
+
+
+def odd() -> list[Snapshot]:
+    far = np.array([np.nan, np.inf, -1e15, 0.0, 123_456.0])
+    return [lake(q=np.full(44, np.inf)), student(q=far), bandit(q=np.tile(far, 2))]
 
 
 @pytest.fixture
@@ -45,9 +61,11 @@ def no_app(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Widget, "size", property(lambda widget: widget.outer_size))
 
 
-def panel_of(row: PanelRow, snapshot: Snapshot) -> Panel | None:
+def panel_of(row: PanelRow, snapshot: Snapshot | None, of: Look) -> Panel | None:
     """The panel, or None if it contains other widgets: the walk below draws those."""
-    panel = make_world_view(snapshot.world, look()) if row.id == WORLD else row.make(look())
+    panel = row.make(of)
+    if row.id == WORLD and snapshot is not None:
+        panel = make_world_view(snapshot.world, of)
     return panel if isinstance(panel, Panel) else None
 
 
@@ -58,17 +76,40 @@ def panel_of(row: PanelRow, snapshot: Snapshot) -> Panel | None:
         pytest.param(MORE, id="all", marks=pytest.mark.exhaustive("162 sizes of every panel")),
     ],
 )
-@pytest.mark.parametrize("row", [row for row in PANELS if panel_of(row, lake(0))], ids=lambda row: row.id)
+@pytest.mark.parametrize(
+    "row", [row for row in PANELS if panel_of(row, lake(0), look())], ids=lambda row: row.id
+)
+@pytest.mark.parametrize("plain", [False, True])
 @pytest.mark.usefixtures("no_app")
-def test_every_panel_draws_itself_at_any_size(row: PanelRow, sizes: list[tuple[int, int]]) -> None:
+def test_every_panel_draws_itself_at_any_size(
+    row: PanelRow, plain: bool, sizes: list[tuple[int, int]]
+) -> None:
     for snapshot in samples():
-        panel = panel_of(row, snapshot)
-        panel.is_explained = True
-        for width, height in sizes:
-            sized(panel, width, height)
-            panel.show(snapshot)
-            rows = [panel.render_line(y) for y in range(height)]
-            assert {row.cell_length for row in rows} == {width}
+        panel = panel_of(row, snapshot, look(plain, "none" if plain else "truecolor"))
+        for width, height in sizes[:: 1 + plain] if panel else ():
+            check_picture(panel, snapshot, width, height)
+            if snapshot is not None:
+                panel.is_explained = True
+                sized(panel, width, height).show(snapshot)
+                rows = [panel.render_line(y) for y in range(height)]
+                assert {each.cell_length for each in rows} == {width}
+                assert not plain or "".join(each.text for each in rows).isascii()
+
+
+def check_picture(panel: Panel, snapshot: Snapshot | None, width: int, height: int) -> None:
+    strips = panel.picture(snapshot, width, height)
+    assert [strip.cell_length for strip in strips] == [width] * height
+    assert all(segment.style is not None for strip in strips for segment in strip)
+    assert panel.look.glyphs is UNICODE or "".join(strip.text for strip in strips).isascii()
+    assert panel.id != CURVE or cell_len(panel.heading) <= width
+
+
+@pytest.mark.parametrize("plain", [False, True])
+@pytest.mark.parametrize("size", SIZES)
+def test_every_world_draws_itself_whatever_its_values_are(size: tuple[int, int], plain: bool) -> None:
+    for snapshot in odd():
+        view = make_world_view(snapshot.world, look(plain, "none" if plain else "truecolor"))
+        check_picture(view, snapshot, *size)
 
 
 def test_a_canvas_leaves_out_whatever_would_stand_outside() -> None:
@@ -96,7 +137,6 @@ def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def opened(pilot: Pilot[UserError]) -> list[object]:
-    """Everything that can open over the playground, or in it."""
     boards = [each.board for each in pilot.app.screen_stack if isinstance(each, Playground)]
     return [*pilot.app.screen_stack, *(board.opened for board in boards)]
 

@@ -1,8 +1,9 @@
-"""The Bellman equation of a planner's current state: in the last step, and below the picture."""
+"""The Bellman equation of a planner's current state."""
 
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 
 import pytest
 from samples import look
@@ -34,7 +35,6 @@ def run_of(scenario: str, algorithm: str, **settings: float) -> Run:
 
 
 def swept(scenario: str, *phases: SweepPhase, steps: int = 0) -> Run:
-    """Policy iteration after these sweeps, and some steps into the next."""
     run = run_of(scenario, "policy-iteration")
     for phase in phases:
         run.apply(OrderSweep(phase))
@@ -45,7 +45,6 @@ def swept(scenario: str, *phases: SweepPhase, steps: int = 0) -> Run:
 
 @cache
 def on_the_lake() -> Snapshot:
-    """The lake in the middle of an evaluation."""
     return snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
 
 
@@ -146,15 +145,13 @@ def test_value_iteration_takes_the_best() -> None:
     assert lines[-1] == " V(14) ← max{↑.98 →1 ↓.99 ←.98} = 1"
 
 
-@pytest.mark.parametrize("width", [9, 14, 20, 28, 36, 44, 52, 60, 80])
-@pytest.mark.parametrize("height", range(1, 10))
 @pytest.mark.parametrize("ascii", [False, True])
-def test_in_any_room_nothing_is_cut(width: int, height: int, ascii: bool) -> None:  # noqa: A002
+def test_in_any_room_nothing_is_cut(ascii: bool) -> None:  # noqa: A002
     shown = on_the_lake()
-    text = "\n".join(last_step(shown, width, height, ascii=ascii))
-    assert not ascii or text.isascii()
-    result = text_of(shown).result
-    assert result in text
+    for size in product([9, 14, 20, 28, 36, 44, 52, 60, 80], range(1, 10)):
+        text = "\n".join(last_step(shown, *size, ascii=ascii))
+        assert not ascii or text.isascii(), size
+        assert text_of(shown).result in text, size
 
 
 def test_where_there_is_no_room_for_each_action_there_is_one_line_of_all() -> None:
@@ -223,7 +220,8 @@ def test_another_discount_changes_nothing_in_what_was_done() -> None:
     run = swept("student", "evaluation")
     before = text_of(snapshot_of(run))
     run.apply(SetParameter("gamma", 0.5))
-    assert text_of(snapshot_of(run)) == before
+    after = text_of(snapshot_of(run))
+    assert (after.lines("←"), after.actions) == (before.lines("←"), before.actions)
 
 
 def test_rewards_that_drift_are_not_taken_apart() -> None:

@@ -44,13 +44,11 @@ def two(here: int, end: int = 10_000, fork: int = 4_000) -> Timeline:
 
 
 def episodes(lengths: list[int], returns: list[float] | None = None) -> Curve:
-    """One bin an episode."""
     values = np.zeros(len(lengths)) if returns is None else np.array(returns)
     return Curve(np.arange(1, len(lengths) + 1), values, values, values, np.array(lengths, dtype=float))
 
 
 def shown(timeline: Timeline, length: int = 50, **changes: object) -> Snapshot:
-    """A run of episodes of equal length, in the past if ``timeline`` is."""
     here, end = timeline.current.here, timeline.current.end
     count = here // length
     usual = {
@@ -182,12 +180,12 @@ def test_ascii() -> None:
     assert "Y" in drawn(shown(two(10_000)), ascii=True)
 
 
-@pytest.mark.parametrize("width", [1, 2, 3, 5, 9, 14, 20, 31, 42, 55, 62, 90, 200])
 @pytest.mark.parametrize("focused", [False, True])
-def test_it_fits_any_width(width: int, focused: bool) -> None:
+def test_it_fits_any_width(focused: bool) -> None:
     for timeline in (one(0, 0), one(0, 1), one(1, 1), one(3, 7, JOURNAL), two(99), two(9_500)):
-        drawn(shown(timeline), width, focused=focused)
-        assert drawn(shown(timeline), width, ascii=True, focused=focused).isascii()
+        for width in (1, 2, 3, 5, 9, 14, 20, 31, 42, 55, 62, 90, 200):
+            drawn(shown(timeline), width, focused=focused)
+            assert drawn(shown(timeline), width, ascii=True, focused=focused).isascii()
 
 
 @pytest.mark.parametrize("width", [32, 42, 62, 120])
@@ -233,7 +231,6 @@ def test_the_focus_shows() -> None:
 
 
 def uneven(here: int | None = None) -> Snapshot:
-    """Episodes of 1,000 steps at first and of 16 at the end, and a current one."""
     lengths = np.geomspace(1_000, 16, 100).round().astype(int)
     end = int(lengths.sum()) + 9
     found = shown(one(end, end), curve=episodes(lengths.tolist()), episodes=100, episode_step=9)
@@ -305,15 +302,14 @@ def test_the_right_end_moves_in_small_steps_and_no_further_than_there_will_be_ep
 @pytest.mark.parametrize(
     ("here", "end"), [(1, 1), (5, 5), (10_000, 10_000), (2_500, 10_000), (34, 34), (7, 7)]
 )
-@pytest.mark.parametrize("width", [12, 42, 62, 200])
-def test_the_ends_are_the_ends_and_the_past_is_not_the_present(here: int, end: int, width: int) -> None:
-    found = track(at(here, end), width)
-    assert found.cell_of(0) == 0
-    assert found.cell_of(end) == found.cells - 1
-    assert found.cells == 1 or found.cell_of(end - 1) < found.cells - 1
-    assert found.cells == 1 or found.step_at(-5) == 0
-    assert found.step_at(found.cells + 5) == end
-    assert all(found.step_at(cell) <= found.step_at(cell + 1) for cell in range(found.cells - 1))
+def test_the_ends_are_the_ends_and_the_past_is_not_the_present(here: int, end: int) -> None:
+    for found in (track(at(here, end), width) for width in (12, 42, 62, 200)):
+        assert found.cell_of(0) == 0
+        assert found.cell_of(end) == found.cells - 1
+        assert found.cells == 1 or found.cell_of(end - 1) < found.cells - 1
+        assert found.cells == 1 or found.step_at(-5) == 0
+        assert found.step_at(found.cells + 5) == end
+        assert all(found.step_at(cell) <= found.step_at(cell + 1) for cell in range(found.cells - 1))
 
 
 def test_a_cell_of_the_middle_is_met_again() -> None:
@@ -353,34 +349,24 @@ class Bench(App[None]):
         return track_of(self.bar.snapshot, self.bar.look, self.bar.size.width)
 
 
-async def pressed(app: Bench, *keys: str) -> list[int]:
+async def test_arrows_move_by_a_cell_shift_by_a_step_pages_by_a_tenth_and_none_beyond_an_end() -> None:
+    app = Bench(at(0, 0))
     async with app.run_test(size=(80, 10)) as pilot:
-        await pilot.press(*keys)
-    return app.sought
 
+        async def pressed(start: Snapshot, *keys: str) -> list[int]:
+            app.bar.sought, app.sought = None, []
+            app.bar.show(start)
+            await pilot.press(*keys)
+            return app.sought
 
-async def test_the_arrows_move_by_a_cell() -> None:
-    app = Bench(at(5_000))
-    sought = await pressed(app, "left", "left", "right")
-    cells = [track(at(5_000)).cell_of(step) for step in (5_000, *sought)]
-    assert np.diff(cells).tolist() == [-1, -1, 1]
-
-
-async def test_in_a_short_run_the_arrows_move_by_a_step() -> None:
-    assert await pressed(Bench(at(3, 7)), "left", "right", "right") == [2, 3, 4]
-
-
-async def test_shift_moves_by_a_step_and_pages_by_a_tenth() -> None:
-    keys = ("shift+left", "less_than_sign", "greater_than_sign", "pagedown", "pageup", "pageup")
-    assert await pressed(Bench(at(5_000)), *keys) == [4_999, 4_998, 4_999, 3_999, 4_999, 5_999]
-
-
-async def test_home_and_end_go_to_the_ends_and_no_further() -> None:
-    assert await pressed(Bench(at(5_000)), "home", "left", "pagedown", "end", "right", "end") == [0, 10_000]
-
-
-async def test_an_empty_run_has_nowhere_to_go() -> None:
-    assert await pressed(Bench(at(0, 0)), "left", "right", "home", "end", "pageup") == []
+        assert await pressed(at(0, 0), "left", "right", "home", "end", "pageup") == [], "an empty run"
+        cells = map(track(at(5_000)).cell_of, (5_000, *await pressed(at(5_000), "left", "left", "right")))
+        assert np.diff([*cells]).tolist() == [-1, -1, 1]
+        assert await pressed(at(3, 7), "left", "right", "right") == [2, 3, 4], "a short run"
+        keys = ("shift+left", "less_than_sign", "greater_than_sign", "pagedown", "pageup", "pageup")
+        assert await pressed(at(5_000), *keys) == [4_999, 4_998, 4_999, 3_999, 4_999, 5_999]
+        keys = ("home", "left", "pagedown", "end", "right", "end")
+        assert await pressed(at(5_000), *keys) == [0, 10_000]
 
 
 async def test_the_handle_is_at_once_where_it_is_sent_and_stays_until_it_is_let_go() -> None:
@@ -395,21 +381,19 @@ async def test_the_handle_is_at_once_where_it_is_sent_and_stays_until_it_is_let_
         assert app.bar.at == 7_000
 
 
-async def test_a_click_goes_there() -> None:
+async def test_a_click_goes_there_a_drag_tells_each_moment_once_and_goes_past_the_ends() -> None:
     app = Bench(at(10_000))
     async with app.run_test(size=(80, 10)) as pilot:
         track = app.track
+        app.bar.on_mouse_down(events.MouseDown(app.bar, 20, 0, 0, 0, 3, False, False, False, 20, 0))
+        assert app.sought == [], "the other buttons do nothing"
         await pilot.click(app.bar, offset=(track.start, 0))
         await pilot.click(app.bar, offset=(track.start + 17, 0))
         await pilot.click(app.bar, offset=(2, 0))
         await pilot.click(app.bar, offset=(track.start + track.cells + 3, 0))
-    assert app.sought == [0, track.step_at(17), 10_000]
-
-
-async def test_a_drag_tells_each_moment_once_and_goes_past_the_ends() -> None:
-    app = Bench(at(10_000))
-    async with app.run_test(size=(80, 10)) as pilot:
-        track = app.track
+        assert app.sought == [0, track.step_at(17), 10_000]
+        app.bar.sought, app.sought = None, []
+        app.bar.show(at(10_000))
         await pilot.mouse_down(app.bar, offset=(track.start + 20, 0))
         await pilot.hover(app.bar, offset=(track.start + 20, 0))
         await pilot.hover(app.bar, offset=(track.start + 10, 0))
@@ -417,14 +401,6 @@ async def test_a_drag_tells_each_moment_once_and_goes_past_the_ends() -> None:
         await pilot.mouse_up(offset=(0, 5))
         await pilot.hover(app.bar, offset=(track.start + 30, 0))
     assert app.sought == [track.step_at(20), track.step_at(10), 0]
-
-
-async def test_the_other_buttons_do_nothing() -> None:
-    app = Bench(at(10_000))
-    async with app.run_test(size=(80, 10)):
-        down = events.MouseDown(app.bar, 20, 0, 0, 0, 3, False, False, False, 20, 0)
-        app.bar.on_mouse_down(down)
-    assert app.sought == []
 
 
 async def test_at_full_speed_only_the_row_is_drawn_again(monkeypatch: pytest.MonkeyPatch) -> None:

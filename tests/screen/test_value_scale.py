@@ -1,14 +1,16 @@
-"""The scale of colours: robust, signed if both ends matter, and never narrower within a run."""
+"""The scale of colours."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from samples import bandit, lake, look
 from snapshots import changed
 
+from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.kit.numbers_in_common import known_v
 from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, value_scale
 from rl_tui.screen.panels.world.scale_line import scale_pieces
@@ -70,6 +72,15 @@ def test_it_only_gets_wider_and_holds_what_is_known_alone() -> None:
         assert scale.of(changed(start, q=q, visits=visits)).high == expected
     scale.clear()
     assert scale.of(start) == ValueScale()
+
+
+def test_a_policy_that_wanders_is_outside_of_the_scale_of_what_is_learned() -> None:
+    scale, learned = SteadyScale(), lake()
+    before = scale.of(learned)
+    drawn = replace(learned, answers=replace(learned.answers, studied=PolicyKind.DRAWN))
+    assert scale.of(changed(drawn, q=-1_000.0 * learned.agent.q)) == replace(before, cuts=(True, False))
+    near = scale.of(changed(drawn, q=-0.5 * learned.agent.q))
+    assert near.low < before.low
 
 
 def test_that_of_a_bandit_is_that_of_the_arms_pulled() -> None:

@@ -1,13 +1,13 @@
-"""The panel of the world check: its states, hidden parts, and the command's numbers."""
+"""The panel of the world check."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from typing import Any
 
-import pytest
 from click.testing import CliRunner
 from conftest import MakeApp
 from samples import bandit, lake, look, student
@@ -64,16 +64,20 @@ def test_it_tells_how_long_the_rest_takes() -> None:
     assert "40 s" not in said(with_check(walk(), is_outdated=True, how_long="40 s"))
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("ascii", [False, True])
-def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
+def test_it_is_drawn_at_any_size() -> None:
     shown = [with_check(walk(), report) for report in grown(walk())]
     shown += [with_check(walk(), is_outdated=True), with_check(walk(), refused="too large")]
     shown += [changed(walk(), world_check=WorldCheckView(refused=IN_KIOSK)), student()]
     shown += [changed(walk(), world_check=WorldCheckView(how_long="about 40 s left"))]
-    for each in (None, *shown):
-        text = drawn(each, *size, ascii=ascii)
-        assert not ascii or text.isascii()
+    for each, size in product(shown, SIZES):
+        drawn(each, *size)
+        assert drawn(each, *size, ascii=True).isascii()
+
+
+def test_rows_are_closer_together_where_they_would_not_fit() -> None:
+    shown = with_check(walk())
+    assert "\n\n" in drawn(shown).rstrip("\n")
+    assert "\n\n" not in drawn(shown, 40, 15).rstrip("\n")
 
 
 def test_it_says_how_far_it_has_come() -> None:

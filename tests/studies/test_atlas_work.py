@@ -1,4 +1,4 @@
-"""The settings map: the settings that vary, the result of each cell, and the requests."""
+"""The settings map: settings, cells, and requests."""
 
 from __future__ import annotations
 
@@ -34,7 +34,6 @@ def why_not(made_from: Recipe, *, is_edited: bool = False) -> str:
 
 
 def small(made_from: Recipe, runs: int = 3, episodes: int = 20) -> AtlasRequest:
-    """A request of four cells."""
     variations = Variation("epsilon", (0.1, 0.3)), Variation("alpha", (0.1, 0.5))
     return replace(asked(made_from), variations=variations, runs=runs, episodes=episodes)
 
@@ -138,13 +137,13 @@ def test_it_ends_when_its_time_is_up() -> None:
     now = iter(range(10**9))
     AtlasWork(small(recipe("student")), found.append, lambda: next(now) * work.MOST_SECONDS).run()
     assert found[-1].state is AtlasState.OUT_OF_TIME
-    assert "used up" in found[-1].message
+    assert "processor time was reached" in found[-1].message
 
 
 @pytest.mark.parametrize(
     ("made_from", "is_edited", "words"),
     [
-        (recipe("frozenlake", algorithm="value-iteration"), False, "knows the world"),
+        (recipe("frozenlake", algorithm="value-iteration"), False, "plans with the model"),
         (recipe("blackjack"), False, "simulated environment"),
         (recipe("frozenlake"), True, "was edited"),
     ],

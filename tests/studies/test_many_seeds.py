@@ -1,4 +1,4 @@
-"""A study of many seeds for the visible runs: equal to ``train --runs``, limited, and ended with them."""
+"""A study of many seeds."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 from playing import begin, do
+from programs.watched_scripts import lives, wait_until
 from recipes import recipe
 
 import rl_tui
@@ -63,7 +64,6 @@ GREEDY = AddLane((SetParameter("epsilon", 0.0),))
 
 
 def studied(made_from: Recipe, *before: Command) -> SeedStudy:
-    """The results of 8 seeds, computed in a process of their own."""
     told = do(begin(made_from), *before, StudySeeds()).study
     assert told is not None
     return told
@@ -76,12 +76,10 @@ def requested(made_from: Recipe, *before: Command, most: int = 8) -> StudyReques
 
 
 def reports(made_from: Recipe, *before: Command, most: int = 8) -> list[SeedStudy]:
-    """All reports of a study, computed in this process."""
     return list(Study(requested(made_from, *before, most=most)).reports())
 
 
 def assert_equal_to_runs(lane: LaneStudy, document: dict[str, Any]) -> None:
-    """Assert that every bit of ``lane`` equals the document of ``train --runs --json``."""
     there = {name: each for name, each in document["summary"].items() if each["count"]}
     assert list(lane.estimates) == list(there)
     for name, each in there.items():
@@ -403,15 +401,7 @@ def test_it_is_outdated_where_runs_were_changed_and_only_there(monkeypatch: pyte
 # Its process
 
 
-def until(holds: Callable[[], bool]) -> None:
-    end = time.monotonic() + LONGEST
-    while not holds():
-        assert time.monotonic() < end
-        time.sleep(0.01)
-
-
 def long_study() -> Playback:
-    """A playback that continues during a study of some minutes."""
     made_from = recipe("student", algorithm="dyna-q")
     playback = Playback(made_from, speed=None, automatic=True, clock=time.perf_counter, on_exact=lambda: None)
     while playback.on_the_way:
@@ -430,12 +420,12 @@ def is_gone(process: subprocess.Popen[bytes]) -> bool:
 def test_a_study_under_way_ends(command: Command, processes: list[subprocess.Popen[bytes]]) -> None:
     playback = long_study()
     playback.handle(command)
-    until(lambda: is_gone(processes[0]))
+    wait_until(lambda: is_gone(processes[0]))
     told = playback.snapshot().study
     assert (told is None) == (not isinstance(command, StudySeeds))
     playback.questions.seed_studies.close()
     for process in processes:
-        until(lambda process=process: is_gone(process))
+        wait_until(lambda process=process: is_gone(process))
     playback.handle(StudySeeds())
     assert len(processes) == 1 + isinstance(command, StudySeeds)
 
@@ -465,7 +455,7 @@ async def test_it_ends_with_the_player_and_two_players_have_each_their_own(
     assert "winnings" not in seen[0].lanes[0].estimates
     assert "winnings" in seen[1].lanes[0].estimates
     for process in processes:
-        until(lambda process=process: is_gone(process))
+        wait_until(lambda process=process: is_gone(process))
     assert len(processes) == 2
 
 
@@ -503,16 +493,7 @@ def test_it_ends_with_its_parent_however_that_ends(number: signal.Signals, is_ru
     child = int(parent.stdout.readline())
     assert os.getsid(child) == child
     if is_running:
-        until(lambda: os.getpriority(os.PRIO_PROCESS, child) == 19)
+        wait_until(lambda: os.getpriority(os.PRIO_PROCESS, child) == 19)
     parent.send_signal(number)
     parent.communicate(timeout=LONGEST)
-
-    def is_gone() -> bool:
-        try:
-            os.kill(child, 0)
-        except ProcessLookupError:
-            return True
-        about = Path(f"/proc/{child}/stat")
-        return about.exists() and about.read_text().rpartition(")")[2].split()[0] == "Z"
-
-    until(is_gone)
+    wait_until(lambda: not lives(child))

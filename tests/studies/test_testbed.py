@@ -1,7 +1,7 @@
 """The figures of chapter 2 of Sutton & Barto (2nd ed.), at fixed seeds and with fewer runs than the book's.
 
-A value compared with a number agrees within three standard errors for this number of runs. A claim of
-"better" holds by three standard errors too, for pairs of runs with the same seed.
+A value agrees within three standard errors for this number of runs. "Better" holds by three standard errors
+too, for pairs of runs with the same seed.
 """
 
 from __future__ import annotations
@@ -38,7 +38,6 @@ def _document(runs: int, scenario: str, pulls: int, values: tuple[tuple[str, Any
 
 
 def column(document: dict[str, Any], name: str) -> FloatArray:
-    """One number of all runs, in the order of the seeds."""
     return np.array([row[name] for row in document["runs"]])
 
 
@@ -57,25 +56,6 @@ def optimal(document: dict[str, Any], first: int, last: int) -> float:
         if first < episode <= last
     ]
     return float(np.mean(inside))
-
-
-@pytest.mark.exhaustive("book_figures/test_book_figure_tables has the figure every day, with fewer runs")
-@pytest.mark.parametrize(("values", "book"), [(GREEDY, 1.03), (HARDLY, 1.31), (TENTH, 1.37)])
-def test_figure_2_2_what_the_last_hundred_pulls_pay(values: dict[str, Any], book: float) -> None:
-    paid = of_runs(400, **values)["summary"]["return_last_100"]
-    assert paid["stderr"] < 0.035
-    assert abs(paid["mean"] - book) < 3 * paid["stderr"]
-
-
-@pytest.mark.exhaustive("trains 2,000 bandits of its own")
-def test_figure_2_2_exploring_pays_in_the_end() -> None:
-    greedy, hardly, tenth = (
-        column(of_runs(400, **values), "return_last_100") for values in (GREEDY, HARDLY, TENTH)
-    )
-    assert margin(hardly, greedy) > 3
-    assert margin(tenth, greedy) > 3
-    assert optimal(of_runs(400, **TENTH), 900, PULLS) == pytest.approx(0.8, abs=0.06)
-    assert optimal(of_runs(400, **GREEDY), 900, PULLS) == pytest.approx(1 / 3, abs=0.07)
 
 
 def test_figure_2_3_optimism_is_behind_at_first_and_ahead_in_the_end() -> None:

@@ -1,4 +1,4 @@
-"""Edits of the world are part of the run: the same bits on every way to a step."""
+"""Edits of the world are part of the run."""
 
 from __future__ import annotations
 
@@ -240,8 +240,8 @@ def test_many_seeds_of_an_edited_run_are_the_runs_of_those_seeds() -> None:
     )
     do(playback, Train(50))
     request = study_request(playback.group, is_awaited=True)
-    assert "the world was changed on the way: each seed ends after 201 steps" in request.message
-    assert "steps taken by a person are left out" in request.message
+    assert "the world was changed during the run: each seed ends after 201 steps" in request.message
+    assert "steps that you took yourself are left out" in request.message
     study = list(Study(request).reports())[-1]
     journal = tuple(e for e in playback.group.current.run.journal if not isinstance(e.change, TakeAction))
     alone = Run(small_map())

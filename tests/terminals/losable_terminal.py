@@ -1,4 +1,4 @@
-"""A terminal that can vanish, or stop reading, while a program runs in it."""
+"""A terminal that can vanish, or stop reading."""
 
 from __future__ import annotations
 
@@ -29,8 +29,6 @@ DEAF: Final = (
 
 
 class LosableTerminal(PseudoTerminal):
-    """A pseudo-terminal whose far end may be lost."""
-
     def vanish(self) -> None:
         """Close the far end, like a closed window or a broken link."""
         nothing = os.open(os.devnull, os.O_RDWR)
@@ -38,7 +36,7 @@ class LosableTerminal(PseudoTerminal):
         os.close(nothing)
 
     def stall(self) -> None:
-        """Fill the way to the far end: it accepts no more until something is read there."""
+        """Fill the way to the far end until something is read there."""
         # opened again, because non-blocking mode would apply to the program too
         end = os.open(os.ttyname(self.theirs), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
         try:
@@ -50,8 +48,6 @@ class LosableTerminal(PseudoTerminal):
             os.close(end)
 
     def wait_reading(self, condition: Callable[[], bool], what: str) -> None:
-        """Read and answer until a condition holds that may be invisible on the screen, or fail."""
-
         def holds() -> bool:
             for _ in self.reading(_LOOK_AGAIN):
                 pass
@@ -60,12 +56,10 @@ class LosableTerminal(PseudoTerminal):
         wait_until(holds, what)
 
     def wait_for_exit(self) -> int:
-        """Return the exit status, without reading the remaining output."""
         return self.process.wait(DEADLINE)
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:
-    """Poll until ``condition`` is true, or fail."""
     deadline = time.perf_counter() + DEADLINE
     while not condition():
         assert time.perf_counter() < deadline, what
@@ -73,14 +67,13 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
 
 
 def is_gone(number: int) -> bool:
-    """Return whether the process ``number`` has ended, even if its parent has not waited for it."""
+    """The process has ended, even if its parent has not waited for it."""
     try:
-        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+        return Path(f"/proc/{number}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] == "Z"
     except (FileNotFoundError, ProcessLookupError):
         return True
 
 
 def kept_step(folder: Path) -> int:
-    """Return the saved step of the only session in ``folder``, 0 without one."""
     sessions, _ = sessions_in(folder)
     return sessions[0].step if sessions else 0

@@ -1,4 +1,4 @@
-"""More input than a person can type, and a request to end in the middle of it."""
+"""More input than a person can type."""
 
 from __future__ import annotations
 
@@ -35,7 +35,6 @@ NOTHING_ELSE_HAPPENS = (
 
 
 def type_all(terminal: PseudoTerminal, keys: str) -> None:
-    """Type ``keys`` as fast as the program reads them."""
     for at in range(0, len(keys), 1000):
         terminal.press(keys[at : at + 1000])
         terminal.wait_until(lambda: unread(terminal) < 1000, what="the program reads")
@@ -43,20 +42,17 @@ def type_all(terminal: PseudoTerminal, keys: str) -> None:
 
 
 def unread(terminal: PseudoTerminal) -> int:
-    """Return the number of bytes that the program has not read yet."""
     answer = fcntl.ioctl(terminal.theirs, termios.FIONREAD, bytes(4))
     return int(struct.unpack("i", answer)[0])
 
 
 def step_shown(terminal: PseudoTerminal) -> int | None:
-    """Return the step on the screen, or None while the shell has the screen."""
     found = re.search(r"step\s+(\d+)", terminal.screen)
     return int(found[1]) if found else None
 
 
 def megabytes(terminal: PseudoTerminal) -> int:
-    """Return the memory of the program in megabytes."""
-    pages = int(Path(f"/proc/{terminal.process.pid}/statm").read_text().split()[1])
+    pages = int(Path(f"/proc/{terminal.process.pid}/statm").read_text(encoding="utf-8").split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") >> 20
 
 

@@ -1,4 +1,4 @@
-"""Over a real SSH connection: everything arrives, and a broken connection leaves nothing behind."""
+"""The program over SSH."""
 
 from __future__ import annotations
 
@@ -25,13 +25,11 @@ INHERITED = ("PYTHONPATH", "RL_TUI_CACHE_DIR")
 
 
 def environment(sessions: Path) -> dict[str, str]:
-    """Return the program's environment variables on the server."""
     kept = {name: os.environ[name] for name in INHERITED if name in os.environ}
     return {**kept, "RL_TUI_SESSIONS_DIR": str(sessions), "LC_ALL": "C.UTF-8"}
 
 
 def classroom() -> str:
-    """Return rules that give every login the program, and nothing else."""
     return f"""
         Match User {getpass.getuser()}
             ForceCommand {shlex.join(RL_TUI)}
@@ -59,7 +57,6 @@ def serving(folder: Path, rules: str = "") -> Iterator[SshServer]:
 
 @contextmanager
 def student(server: SshServer, folder: Path) -> Iterator[LosableTerminal]:
-    """Log in and play. ``folder`` holds the process ids of the program and of its server process."""
     numbers = f"echo $$ > {folder}/program; echo $PPID > {folder}/server"
     program = shlex.join([*RL_TUI, "play", "student"])
     client = [*CONTROLLING, *KEPT_OPEN, *server.login("-tt"), f"{numbers}; exec {program}"]
@@ -69,7 +66,7 @@ def student(server: SshServer, folder: Path) -> Iterator[LosableTerminal]:
 
 
 def number_in(file: Path) -> int:
-    return int(file.read_text())
+    return int(file.read_text(encoding="utf-8"))
 
 
 def test_it_trains_steps_and_quits_over_ssh(tmp_path: Path) -> None:
@@ -137,7 +134,6 @@ def test_from_the_classroom_recipe_there_is_no_way_out(tmp_path: Path) -> None:
 
 
 def refused(command: list[str], sent: bytes = b"") -> str:
-    """Run ``command``, which must fail without output and return the reason."""
     result = subprocess.run(command, input=sent, capture_output=True, timeout=DEADLINE, check=False)
     assert result.returncode != 0
     assert result.stdout.replace(b"sftp> pwd\n", b"") == b""

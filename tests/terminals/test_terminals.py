@@ -1,4 +1,4 @@
-"""The real program in terminals of every kind: each shows everything, with its own colours and characters."""
+"""The real program in terminals of every kind."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ DIALOGS: Final = {  # keys, then the expected text on the screen
     "mx": "Export",
     "wm": "Model",
     "\x10": "a few letters of anything",
-    "\x10theme\r": "find a theme",
+    "\x10theme\r": "Colours",
 }
 
 
@@ -82,7 +82,6 @@ def leave(terminal: PseudoTerminal) -> None:
 
 @pytest.fixture(scope="module")
 def fresh(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[int, int], str]:
-    """The screens of two programs, started at these sizes, never resized, and without saved sessions."""
     screens = {}
     for size in ((80, 24), (120, 40)):
         kept = {"RL_TUI_SESSIONS_DIR": str(tmp_path_factory.mktemp("sessions"))}

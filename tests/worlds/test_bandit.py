@@ -1,4 +1,4 @@
-"""The kinds of arms that a ``[bandit]`` table can ask for."""
+"""The arms of a ``[bandit]`` table."""
 
 from __future__ import annotations
 
@@ -85,8 +85,8 @@ PROBABILITY = "means from 0 to 1, since they are probabilities"
 @pytest.mark.parametrize(
     ("lines", "fault"),
     [
-        ('arms = 2\nrewards = "poisson"', ("bandit.rewards", '"poisson"', "gaussian or bernoulli")),
-        ("arms = 2\nrewards = 1", ("bandit.rewards", "1", "gaussian or bernoulli")),
+        ('arms = 2\nrewards = "poisson"', ("bandit.rewards", '"poisson"', '"gaussian" or "bernoulli"')),
+        ("arms = 2\nrewards = 1", ("bandit.rewards", "1", '"gaussian" or "bernoulli"')),
         (
             "arms = 2\nmean = { uniform = [2, 1] }",
             ("bandit.mean.uniform", "[2, 1]", "[low, high], the first not above the second"),
@@ -97,7 +97,7 @@ PROBABILITY = "means from 0 to 1, since they are probabilities"
         ),
         (
             "arms = 2\nmean = { uniform = [0, 1], normal = [0, 1] }",
-            ("bandit.mean", "both normal and uniform", "only one of them"),
+            ("bandit.mean", "normal and uniform are both set; keep one of them", ""),
         ),
         (
             "arms = 2\nmean = [0, 1]",
@@ -110,15 +110,15 @@ PROBABILITY = "means from 0 to 1, since they are probabilities"
         ),
         (
             'arms = 2\nrewards = "bernoulli"\nmean = { normal = [0.5, 0.1] }',
-            ("bandit.mean.normal", "normal means", f"uniform = [low, high]: {PROBABILITY}"),
+            ("bandit.mean.normal", "bernoulli rewards need means from 0 to 1; use uniform = [low, high]", ""),
         ),
         (
             'arms = 2\nrewards = "bernoulli"\nstd = 1',
-            ("bandit.std", "std with bernoulli rewards", "gaussian rewards, or no std"),
+            ("bandit.std", "bernoulli rewards have no std; leave it out", ""),
         ),
         (
             'arms = 2\nrewards = "bernoulli"\ndrift = 0.1',
-            ("bandit.drift", "drift with bernoulli rewards", "gaussian rewards, or no drift"),
+            ("bandit.drift", "bernoulli rewards have no drift; leave it out", ""),
         ),
         ("arms = 2\ndrift = -1", ("bandit.drift", "-1", "a finite number from 0 to 1e+06")),
         ('arms = 2\ndrift = "slow"', ("bandit.drift", '"slow"', "a finite number from 0 to 1e+06")),
@@ -137,5 +137,5 @@ def test_faults_between_keys_are_told_together_with_those_of_form(mdp: Read) -> 
         ("bandit.means[0]", "2"),
         ("bandit.means[1]", "nan"),
         ("bandit.drift", "-1"),
-        ("bandit.drift", "drift with bernoulli rewards"),
+        ("bandit.drift", "bernoulli rewards have no drift; leave it out"),
     ]

@@ -1,4 +1,4 @@
-"""Real numbers divided into states: their edges, their names, and refusals."""
+"""Real numbers divided into states."""
 
 from __future__ import annotations
 
@@ -63,11 +63,11 @@ def test_not_a_number_is_in_no_bin():
     [
         ({"count": [4]}, ("bins", "count"), "1 entries"),
         ({"edges": [[], [], []]}, ("bins", "edges"), "3 entries"),
-        ({"count": [4, 4]}, ("bins", "low"), "nothing, and no bound of its own in dimension 1 of Plane"),
+        ({"count": [4, 4]}, ("bins", "low"), "dimension 1 has no bound, here or in Plane; .*"),
         (
             {"count": [4, 4], "low": [0, 0]},
             ("bins", "high"),
-            "nothing, and no bound of its own in dimension 1 .*",
+            "dimension 1 has no bound, here or in .*",
         ),
         ({"count": [4, 1], "low": [2, 0]}, ("bins", "high"), "1"),
     ],
@@ -89,8 +89,12 @@ def test_what_does_not_fit_the_box_is_refused(keys, location, found):
         ("count = [2, 2]\nlow = [0, 0]\nhigh = [1, 0]", "gymnasium.bins.high[1]", "0"),
         ("count = [2, 2]\nlow = [0, nan]", "gymnasium.bins.low[1]", "nan"),
         ("edges = [[1.0, 1.0], []]", "gymnasium.bins.edges[0]", "[1.0, 1.0]"),
-        ("edges = [[], []]\ncount = [1, 1]", "gymnasium.bins.count", "both count and edges"),
-        ("counts = [2, 2]\ncount = [2, 2]", "gymnasium.bins.counts", "an unknown key"),
+        (
+            "edges = [[], []]\ncount = [1, 1]",
+            "gymnasium.bins.count",
+            "count and edges are both set; give edges, or low, high and count",
+        ),
+        ("counts = [2, 2]\ncount = [2, 2]", "gymnasium.bins.counts", "unknown key"),
         ("count = [2, 2, 2]", "gymnasium.bins.count", "3 entries"),
         ("count = [2000, 2000]", "gymnasium.bins", "4,000,000 states of MountainCar-v0"),
     ],
@@ -101,7 +105,10 @@ def test_faults_of_a_file(bins, place, found, tmp_path):
     with pytest.raises(ScenarioError) as error:
         read_scenario(path)
     (fault,) = error.value.faults
-    assert (fault.place, fault.found) == (place, found)
+    assert fault.place == place
+    assert (
+        fault.found == found or fault.found.startswith(f"{found}; ") or fault.found.startswith(f"{found}, ")
+    )
 
 
 @pytest.mark.parametrize(
@@ -110,16 +117,16 @@ def test_faults_of_a_file(bins, place, found, tmp_path):
         (
             'id = "Blackjack-v1"\nbins = { count = [2] }',
             "gymnasium.bins",
-            "bins for Blackjack-v1, whose states are Tuple",
+            "bins divide a Box, but the states of Blackjack-v1 are Tuple; leave out bins",
         ),
         (
             'id = "MountainCar-v0"\ntable = true\nbins = { count = [2, 2] }',
             "gymnasium.table",
-            "both table and bins",
+            "a world with bins has no transition table; leave out table",
         ),
         ('id = "MountainCar-v0"\nbins = 3', "gymnasium.bins", "3"),
         ('id = "Blackjack-v1"\ntable = "yes"', "gymnasium.table", '"yes"'),
-        ('id = "CartPole-v1"\ntable = true', "gymnasium.id", "CartPole-v1, whose states are Box"),
+        ('id = "CartPole-v1"\ntable = true', "gymnasium.id", "the states of CartPole-v1 are Box"),
     ],
 )
 def test_bins_where_they_do_not_belong(text, place, found, tmp_path):
@@ -128,7 +135,10 @@ def test_bins_where_they_do_not_belong(text, place, found, tmp_path):
     with pytest.raises(ScenarioError) as error:
         read_scenario(path)
     (fault,) = error.value.faults
-    assert (fault.place, fault.found) == (place, found)
+    assert fault.place == place
+    assert (
+        fault.found == found or fault.found.startswith(f"{found}; ") or fault.found.startswith(f"{found}, ")
+    )
 
 
 def test_a_world_of_bins():
@@ -167,4 +177,4 @@ def test_bins_narrower_than_numbers_are_refused(low, high, count):
     with pytest.raises(WorldRefusedError) as refusal:
         section.states("a", Box(-1.0, 1.0, (1,)))
     assert refusal.value.finding.location == ("bins", "count", 0)
-    assert refusal.value.finding.expected == "fewer: numbers are not as fine as that"
+    assert refusal.value.finding.found.endswith("; use fewer bins")

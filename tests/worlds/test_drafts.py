@@ -1,4 +1,4 @@
-"""Drafts: an edit begins with the current world, and is saved exactly as drawn."""
+"""Drafts of edited worlds."""
 
 from __future__ import annotations
 
@@ -80,8 +80,8 @@ def test_lines_take_their_wind_with_them() -> None:
 
 def test_what_is_no_valid_mdp_says_why() -> None:
     draft = edited(lines("S.G\n"), "world.cell[0,0]=.")
-    assert [each.found for each in draft.findings] == ["no start"]
-    with pytest.raises(UserError, match="no start"):
+    assert [each.found.partition(";")[0] for each in draft.findings] == ["the map has no start"]
+    with pytest.raises(UserError, match="the map has no start"):
         draft.build()
 
 

@@ -1,4 +1,4 @@
-"""Every error in a [grid] table gives one clear line, and all errors are reported at once."""
+"""Errors in a [grid] table."""
 
 from __future__ import annotations
 
@@ -42,38 +42,48 @@ ONE_FAULT = {
     "neither map nor random": ("", ("map", "nothing", "a map of characters, or random")),
     "map and random": (
         MAP + "random = { rows = 3, columns = 3 }\n",
-        ("random", "both map and random", "only one of them"),
+        ("random", "map and random are both set; keep one of them", ""),
     ),
     "a map that is no text": ("map = 3\n", ("map", "3", "a map of characters, a line for each row")),
     "a wall in the way of a drawn map": (
         'random = { rows = 3, columns = 3 }\n[grid.legend]\nG = { kind = "wall" }\n',
-        ("legend.G.kind", "wall", "a cell that can be entered: a random map needs a path to its goal"),
+        ("legend.G.kind", "walls would block the path to the goal of a random map; choose another kind", ""),
     ),
-    "an empty map": ('map = ""\n', ("map", "an empty map", "a line of characters for each row")),
+    "an empty map": (
+        'map = ""\n',
+        ("map", "the map is empty; write one line of characters for each row", ""),
+    ),
     "a map of line breaks": (
         'map = "\\n\\n"\n',
-        ("map", "an empty map", "a line of characters for each row"),
+        ("map", "the map is empty; write one line of characters for each row", ""),
     ),
     "a ragged map": (
         'map = """\nS..\n..\n..G\n"""\n',
-        ("map", "line 2 of length 2", "length 3 in every line, as in line 1"),
+        ("map", "line 2 has the length 2; make every line as long as line 1, 3", ""),
     ),
     "a map with several odd lines": (
         'map = "S..\\n.\\n..G\\n...."\n',
-        ("map", "line 2 of length 1 (and 1 more of another length)", "length 3 in every line, as in line 1"),
+        (
+            "map",
+            "line 2 has the length 1 (1 more line of another length); make every line as long as line 1, 3",
+            "",
+        ),
     ),
     "an empty line inside": (
         'map = "SG\\n\\n.."\n',
-        ("map", "line 2 of length 0", "length 2 in every line, as in line 1"),
+        ("map", "line 2 has the length 0; make every line as long as line 1, 2", ""),
     ),
-    "no start": ('map = "..G"\n', ("map", "no start", 'a cell of the kind "start", such as S')),
+    "no start": (
+        'map = "..G"\n',
+        ("map", 'the map has no start; add a cell of the kind "start", such as S', ""),
+    ),
     "an unknown character": (
         'map = "S.\\n?G"\n',
-        ("map", '"?" in line 2, column 1', "a character of the legend"),
+        ("map", '"?" in line 2, column 1 is not in the legend; add it to [grid.legend]', ""),
     ),
     "a control character": (
         'map = "S\\tG"\n',
-        ("map", '"\\t" in line 1, column 2', "a character of the legend"),
+        ("map", '"\\t" in line 1, column 2 is not in the legend; add it to [grid.legend]', ""),
     ),
     "too many cells": (
         f'map = """\n{chr(10).join(["S" * 3001] * 1334)}\n"""\n',
@@ -93,7 +103,7 @@ ONE_FAULT = {
     ),
     "a random map of one cell": (
         "random = { rows = 1, columns = 1 }\n",
-        ("random", "1 × 1 cells", "a start and a goal: at least 2 cells"),
+        ("random", "1 × 1 cells", "2 cells or more, for a start and a goal"),
     ),
     "a random map without a size": (
         "random = { rows = 3 }\n",
@@ -127,20 +137,24 @@ ONE_FAULT = {
         MAP + "moves = []\n",
         ("moves", "[]", "one of four, clockwise, king, king+stay"),
     ),
-    "unknown rewards": (MAP + 'rewards = "both"\n', ("rewards", '"both"', "entering or leaving")),
-    "rewards that are a list": (MAP + "rewards = [[1]]\n", ("rewards", "[[1]]", "entering or leaving")),
+    "unknown rewards": (MAP + 'rewards = "both"\n', ("rewards", '"both"', '"entering" or "leaving"')),
+    "rewards that are a list": (MAP + "rewards = [[1]]\n", ("rewards", "[[1]]", '"entering" or "leaving"')),
     "noise beyond 1": (MAP + "noise = 1.5\n", ("noise", "1.5", "a finite number from 0 to 1")),
     "noise on ice": (
         MAP + "noise = 0.2\nslippery = true\n",
-        ("slippery", "both noise and slippery", "only one of them"),
+        ("slippery", "noise and slippery are both set; keep one of them", ""),
     ),
     "noise with king's moves": (
         MAP + 'noise = 0.2\nmoves = "king"\n',
-        ("noise", 'noise with moves = "king"', 'moves = "four", or no slips'),
+        ("noise", 'noise does not work with moves = "king"; use moves = "four", or leave out noise', ""),
     ),
     "ice with king's moves": (
         MAP + 'slippery = true\nmoves = "king+stay"\n',
-        ("slippery", 'slippery with moves = "king+stay"', 'moves = "four", or no slips'),
+        (
+            "slippery",
+            'slippery does not work with moves = "king+stay"; use moves = "four", or leave out slippery',
+            "",
+        ),
     ),
     "ice that is no truth value": (MAP + "slippery = 1\n", ("slippery", "1", "true or false")),
     "wind for too few columns": (MAP + "wind = [0, 1]\n", ("wind", "2 numbers", "one for each column (4)")),
@@ -163,11 +177,11 @@ ONE_FAULT = {
     ),
     "gusts in a calm": (
         MAP + "gusts = true\n",
-        ("gusts", "gusts without wind", "gusts with wind or wind_rows"),
+        ("gusts", "gusts need wind; add wind or wind_rows, or leave out gusts", ""),
     ),
     "gusts of no wind": (
         MAP + "gusts = true\nwind = [0, 0, 0, 0]\n",
-        ("gusts", "gusts without wind", "gusts with wind or wind_rows"),
+        ("gusts", "gusts need wind; add wind or wind_rows, or leave out gusts", ""),
     ),
     "a time limit below 0": (
         MAP + "time_limit = -1\n",
@@ -199,53 +213,53 @@ ONE_FAULT = {
         legend('X = { kind = "floor", rewrd = 1 }'),
         (
             f"{X}.rewrd",
-            "an unknown key",
-            'one of kind, reward, terminal, exit, jump, back, only (did you mean "reward"?)',
+            'unknown key; use one of kind, reward, terminal, exit, jump, back, only (did you mean "reward"?)',
+            "",
         ),
     ),
     "a reward in a wall": (
         legend('X = { kind = "wall", reward = 1 }'),
-        (f"{X}.reward", "reward in a wall", "no reward: a wall cannot be entered"),
+        (f"{X}.reward", "a wall cannot be entered; leave out reward", ""),
     ),
     "a terminal start": (
         legend('X = { kind = "start", terminal = true }'),
-        (f"{X}.terminal", "a start that is terminal", "a start that is not terminal"),
+        (f"{X}.terminal", "a start cannot be terminal; leave out terminal", ""),
     ),
     "an exit from a terminal cell": (
         legend('X = { kind = "goal", terminal = true, exit = true }'),
-        (f"{X}.exit", "exit in a terminal cell", "no exit, or a cell with terminal = false"),
+        (f"{X}.exit", "a terminal cell has no exit; leave it out, or set terminal = false", ""),
     ),
     "a jump from a terminal cell": (
         legend('X = { kind = "goal", jump = "S" }'),
-        (f"{X}.jump", "jump in a terminal cell", "no jump, or a cell with terminal = false"),
+        (f"{X}.jump", "a terminal cell has no jump; leave it out, or set terminal = false", ""),
     ),
     "a way back from a terminal cell": (
         legend('X = { kind = "hole", back = true }'),
-        (f"{X}.back", "back in a terminal cell", "no back, or a cell with terminal = false"),
+        (f"{X}.back", "a terminal cell has no back; leave it out, or set terminal = false", ""),
     ),
     "two special things at once": (
         legend('X = { kind = "floor", back = true, exit = true }'),
-        (f"{X}.back", "both exit and back", "only one of them"),
+        (f"{X}.back", "exit and back are both set; keep one of them", ""),
     ),
     "back in a start": (
         legend('X = { kind = "start", back = true }', ".XG"),
-        (f"{X}.back", "back in a start cell", "no back: it leads to the start"),
+        (f"{X}.back", "a start cannot lead back to itself; leave out back", ""),
     ),
     "back to several starts": (
         legend('X = { kind = "cliff", back = true }', "SSXG"),
-        (f"{X}.back", "back with 2 starts", "one start: back = true leads there"),
+        (f"{X}.back", "back = true leads to the start, but the map has 2; keep one start", ""),
     ),
     "a jump to what is not on the map": (
         legend('X = { kind = "floor", jump = "Y" }'),
-        (f"{X}.jump", '"Y"', "a character that is on the map once"),
+        (f"{X}.jump", '"Y" is not on the map; use a character that occurs once', ""),
     ),
     "a jump to several cells": (
         legend('X = { kind = "floor", jump = "." }', "S..XG"),
-        (f"{X}.jump", '".", which is on the map 2 times', "a character that is on the map once"),
+        (f"{X}.jump", '"." occurs 2 times on the map; use a character that occurs once', ""),
     ),
     "a jump into a wall": (
         legend('X = { kind = "floor", jump = "#" }', "S#XG"),
-        (f"{X}.jump", '"#", a wall', "a cell that can be entered"),
+        (f"{X}.jump", '"#" is a wall; use a cell that can be entered', ""),
     ),
     "a jump that is no character": (
         legend('X = { kind = "floor", jump = "home" }'),
@@ -275,16 +289,18 @@ ONE_FAULT = {
         'rewards = "leaving"\nmap = "S.G"\n',
         (
             "map",
-            '"G", which pays 1 but is never left',
-            'a cell with exit = true or reward = 0, or rewards = "entering"',
+            'the agent never leaves cell "G", so it never gets the reward 1; use '
+            'exit = true, reward = 0, or rewards = "entering"',
+            "",
         ),
     ),
     "a cliff that never pays": (
         'rewards = "leaving"\n' + legend('X = { kind = "cliff", reward = -9, back = true }', "S.X"),
         (
             X,
-            '"X", which pays -9 but is never left',
-            'a cell with exit = true or reward = 0, or rewards = "entering"',
+            'the agent never leaves cell "X", so it never gets the reward -9; use '
+            'exit = true, reward = 0, or rewards = "entering"',
+            "",
         ),
     ),
 }
@@ -331,8 +347,8 @@ def test_a_random_map_that_no_draw_opens_is_refused(tmp_path):
     with pytest.raises(ScenarioError) as error:
         scenario.build(np.random.default_rng(0))
     (fault,) = error.value.faults
-    assert (fault.place, fault.expected) == ("grid.random.holes", "fewer holes")
-    assert fault.found == "holes in 0.9 of the cells, and no way to the goal on 1,000 maps drawn"
+    assert (fault.place, fault.expected) == ("grid.random.holes", "")
+    assert fault.found == "none of 1,000 random maps had a path to the goal; use fewer holes than 0.9"
 
 
 JUNK = st.sampled_from(

@@ -1,4 +1,4 @@
-"""Scenarios as environments of Gymnasium: the same worlds, by Gymnasium's rules."""
+"""Scenarios as environments of Gymnasium."""
 
 from __future__ import annotations
 
@@ -39,7 +39,6 @@ def _advice_is_given(monkeypatch):
 
 
 def outcomes(mdp, pair):
-    """Return the probability of each (next state, reward, terminated). Equal outcomes are combined."""
     expected = Counter()
     for o in mdp.outcomes_of(pair):
         expected[int(mdp.next_state[o]), float(mdp.reward[o]), bool(mdp.terminated[o])] += mdp.probability[o]
@@ -47,7 +46,6 @@ def outcomes(mdp, pair):
 
 
 def episode_of(environment, seed, steps=60):
-    """Return the results of ``steps`` steps, over episodes."""
     seen = [environment.reset(seed=seed)[0]]
     for step in range(steps):
         state, reward, terminated, truncated, _ = environment.step(step % environment.action_space.n)
@@ -287,5 +285,5 @@ def test_making_one_leaves_gymnasiums_advice_as_it_was():
 
 
 def test_our_own_ids_are_not_read_as_foreign_environments():
-    with pytest.raises(UserError, match="another environment: this is a scenario of rl-tui"):
+    with pytest.raises(UserError, match="is a scenario of rl-tui; name another environment"):
         find("gym:rl_tui/frozenlake-v0")

@@ -1,4 +1,4 @@
-"""Every error in a scenario file gives one clear line: its place, the value found, the value expected."""
+"""Errors in a scenario file."""
 
 from __future__ import annotations
 
@@ -44,35 +44,38 @@ ONE_FAULT = {
         BANDIT + LAKE,
         ("", "[bandit] and [gymnasium]", "exactly one of [gymnasium], [mdp], [grid], [bandit]"),
     ),
-    "an answer that is neither": ('answer = "maybe"\n' + BANDIT, ("answer", '"maybe"', "hidden or shown")),
+    "an answer that is neither": (
+        'answer = "maybe"\n' + BANDIT,
+        ("answer", '"maybe"', '"hidden" or "shown"'),
+    ),
     "a panel that there is not": (
         'panels = ["world", "curv"]\n' + BANDIT,
         ("panels", '"curv"', 'the id of a panel: world, .*last_step (did you mean "curve"?)'),
     ),
     "panels that are none": ("panels = []\n" + BANDIT, ("panels", ".*", "a list of ids of panels")),
-    "an answer that is no text": ("answer = [true]\n" + BANDIT, ("answer", ".*", "hidden or shown")),
+    "an answer that is no text": ("answer = [true]\n" + BANDIT, ("answer", ".*", '"hidden" or "shown"')),
     "a world that is no table": ("mdp = 3\n", ("mdp", "3", "a table")),
     "an unknown key at the top": (
         'sumary = "s"\n' + BANDIT,
-        ("sumary", "an unknown key", 'one of .*summary.* (did you mean "summary"?)'),
+        ("sumary", 'unknown key; use one of .* (did you mean "summary"?)', ""),
     ),
     "an unknown key in a world": (
         student("time_limit", "time_limt"),
         (
             "mdp.time_limt",
-            "an unknown key",
-            'one of start, time_limit, place, seen_as, transition (did you mean "time_limit"?)',
+            'unknown key; use one of .* (did you mean "time_limit"?)',
+            "",
         ),
     ),
     "an unknown key in an outcome": (
         student("Pass = 0.8", "Pass = { p = 0.8, rewards = 1 }"),
         (
             "mdp.transition[0].to.Pass.rewards",
-            "an unknown key",
-            'one of p, reward, std (did you mean "reward"?)',
+            'unknown key; use one of .* (did you mean "reward"?)',
+            "",
         ),
     ),
-    "an unknown key that needs quotes": ('"a b" = 1\n' + BANDIT, ('"a b"', "an unknown key", "one of .*")),
+    "an unknown key that needs quotes": ('"a b" = 1\n' + BANDIT, ('"a b"', "unknown key; use one of .*", "")),
     "probabilities below 1": (
         student("Pass = 0.8", "Pass = 0.7"),
         ("mdp.transition[0].to", "0.9", "probabilities that sum to 1 (±1e-9)"),
@@ -124,43 +127,57 @@ ONE_FAULT = {
         student("Pass = 0.8", "Pas = 0.8"),
         (
             "mdp.transition[0].to",
-            'unknown state "Pas"',
-            'a state with transitions, or a terminal one named in mdp.place (did you mean "Pass"?)',
+            'unknown state "Pas"; use a state with transitions, or a terminal one '
+            'named in mdp.place (did you mean "Pass"?)',
+            "",
         ),
     ),
     "an unknown state as the only outcome": (
         student('"Sleep"', '"Nowhere"').replace("Sleep = [2, 1]", ""),
-        ("mdp.transition[4].to", 'unknown state "Nowhere"', "a state with transitions, or .*"),
+        (
+            "mdp.transition[4].to",
+            'unknown state "Nowhere"; use a state with transitions, or a terminal one named in mdp.place',
+            "",
+        ),
     ),
     "an unknown state at the start": (
         student('start = "Class"', 'start = "class"'),
-        ("mdp.start", 'unknown state "class"', 'a state with transitions (did you mean "Class"?)'),
+        ("mdp.start", 'unknown state "class"; use a state with transitions (did you mean "Class"?)', ""),
     ),
     "an unknown state with a place": (
         student("Sleep = [2, 1]", "Sleep = [2, 1]\nBed = [3, 1]"),
-        ("mdp.place.Bed", 'unknown state "Bed"', "a state that a transition mentions"),
+        ("mdp.place.Bed", 'unknown state "Bed"; use a state that a transition mentions', ""),
     ),
     "a state that differs only in case": (
         '[mdp]\nstart = "A"\n[[mdp.transition]]\nstate = "A"\naction = "go"\nreward = 1\nto = "a"\n',
-        ("mdp.transition[0].to", 'unknown state "a"', 'a state .*(did you mean "A"?)'),
+        (
+            "mdp.transition[0].to",
+            'unknown state "a"; use a state with transitions, or a terminal one '
+            'named in mdp.place (did you mean "A"?)',
+            "",
+        ),
     ),
     "an unreachable state": (
         student(
             'to = "Phone"\n\n[[mdp.transition]]\nstate = "Phone"\naction = "scroll"',
             'to = "Class"\n\n[[mdp.transition]]\nstate = "Phone"\naction = "scroll"',
         ),
-        ("mdp.transition[2].state", 'unreachable state "Phone"', "states that can be reached from the start"),
+        (
+            "mdp.transition[2].state",
+            'unreachable state "Phone"; add a way from the start, or remove it',
+            "",
+        ),
     ),
     "a state reached with probability 0 only": (
         '[mdp]\nstart = "A"\ntransition = [{ state = "A", action = "x", reward = 1, to = { B = 1, C = 0}}]\n',
-        ("mdp.transition[0].to", 'unreachable state "C"', "states that .*"),
+        ("mdp.transition[0].to", 'unreachable state "C"; add a way from the start, or remove it', ""),
     ),
     "a pair given twice": (
         student('action = "quit"', 'action = "scroll"'),
         (
             "mdp.transition[3]",
-            'state "Phone" with action "scroll" a second time',
-            "each state and action once (first in mdp.transition[2])",
+            'state "Phone" with action "scroll" is listed already, in mdp.transition[2]; list it once',
+            "",
         ),
     ),
     "no start": (
@@ -177,7 +194,7 @@ ONE_FAULT = {
     ),
     "a terminal start": (
         student('start = "Class"', "start = { Class = 0.5, Sleep = 0.5 }"),
-        ("mdp.start", 'terminal state "Sleep"', "a state with transitions"),
+        ("mdp.start", '"Sleep" is a terminal state; start in a state with transitions', ""),
     ),
     "no transition": (
         '[mdp]\nstart = "A"\n',
@@ -193,7 +210,7 @@ ONE_FAULT = {
     ),
     "two states in one place": (
         student("Sleep = [2, 1]", "Sleep = [1, 1]"),
-        ("mdp.place.Sleep", '[1, 1], where "Pass" is already', "a free place"),
+        ("mdp.place.Sleep", '"Pass" is already at [1, 1]; choose a free place', ""),
     ),
     "a place between two": (
         student("Sleep = [2, 1]", "Sleep = [2.5, 1]"),
@@ -221,7 +238,7 @@ ONE_FAULT = {
     ),
     "mean and means": (
         "[bandit]\nmeans = [1]\nmean = { normal = [0, 1] }\n",
-        ("bandit.mean", "both mean and means", "only one of them"),
+        ("bandit.mean", "mean and means are both set; keep one of them", ""),
     ),
     "a negative deviation of the means": (
         BANDIT + "mean = { normal = [0, -1] }\n",
@@ -253,47 +270,53 @@ ONE_FAULT = {
         '[gymnasium]\nid = "CartPole-v1"\n',
         (
             "gymnasium.id",
-            "CartPole-v1, whose states are Box: 4 real numbers",
-            "[gymnasium.bins] in a scenario file, which cuts them into states",
+            "the states of CartPole-v1 are a Box of 4 real numbers; write a "
+            "scenario file with [gymnasium.bins], which divides them into states",
+            "",
         ),
     ),
     "a module to import": (
         '[gymnasium]\nid = "os:FrozenLake-v1"\n',
         (
             "gymnasium.id",
-            '"os:FrozenLake-v1"',
-            "the id of a registered environment, without a module to import; if you trust that module: "
-            "--allow-module os",
+            '"os:FrozenLake-v1" names a module, which is not imported; '
+            "if you trust it, add --allow-module os",
+            "",
         ),
     ),
     "an argument that the environment refuses": (
         LAKE + "kwargs = { slippery = true }\n",
-        ("gymnasium.kwargs", "what makes FrozenLake-v1 fail (TypeError: .*", "what FrozenLake-v1 takes"),
+        (
+            "gymnasium.kwargs",
+            "FrozenLake-v1 refuses these arguments (TypeError: .*); give arguments that it accepts",
+            "",
+        ),
     ),
     "rewards beyond the range": (
         LAKE + "kwargs = { reward_schedule = [1e300, 0.0, 0.0] }\n",
         (
             "gymnasium.kwargs",
-            "FrozenLake-v1, whose table has a reward of 1e+300 for state 14, action 1",
-            "rewards within ±1e+12",
+            "the table of FrozenLake-v1 has an error: a reward of state 14, "
+            "action 1 is 1e+300, not within ±1e+12; choose another environment",
+            "",
         ),
     ),
     "a window": (
         LAKE + 'kwargs = { render_mode = "human" }\n',
-        ("gymnasium.kwargs.render_mode", '"human"', "no such argument: the world is drawn here"),
+        ("gymnasium.kwargs.render_mode", '"human"', "no such argument, because rl-tui draws the world"),
     ),
     "a number for an id": (
         "[gymnasium]\nid = 3\n",
-        ("gymnasium.id", "3", "one line of text of at most 100 characters, without control characters"),
+        ("gymnasium.id", "3", "one line of at most 100 characters, without control characters"),
     ),
-    "no id": ("[gymnasium]\n", ("gymnasium.id", "nothing", "one line of text of at most 100 characters, .*")),
+    "no id": ("[gymnasium]\n", ("gymnasium.id", "nothing", "one line of at most 100 characters, .*")),
     "a control character in the title": (
         'title = "a\\u001b[31m"\n' + BANDIT,
-        ("title", 'U+001B in "a\\u001b[31m"', "one line of text of at most 80 characters, .*"),
+        ("title", 'U+001B in "a\\u001b[31m"', "one line of at most 80 characters, .*"),
     ),
     "a title of two lines": (
         'title = "a\\nb"\n' + BANDIT,
-        ("title", 'U+000A in "a\\nb"', "one line of text of at most 80 characters, .*"),
+        ("title", 'U+000A in "a\\nb"', "one line of at most 80 characters, .*"),
     ),
     "a number for the notes": (
         "notes = 3\n" + BANDIT,
@@ -330,9 +353,12 @@ ONE_FAULT = {
     "a number with too many digits": (f"a = {'1' * 5000}\n", ("", "not valid TOML (.*)", "")),
     "tables without end": (
         f"a = {'[' * 100_000}",
-        ("", "tables within tables, too deep to read", "TOML of a few levels"),
+        ("", "tables are nested too deeply; use fewer levels", ""),
     ),
-    "no UTF-8": (b'title = "t"\nsummary = "\xff"\n', ("line 2", "byte 0xff", "text in UTF-8")),
+    "no UTF-8": (
+        b'title = "t"\nsummary = "\xff"\n',
+        ("line 2", "byte 0xff is not UTF-8; save the file as UTF-8", ""),
+    ),
 }
 
 
@@ -387,7 +413,11 @@ def test_limits_the_number_of_states(faults):
 
 @pytest.mark.parametrize(
     ("path", "found"),
-    [("missing.toml", "no such file"), (".", "a folder"), ("with\0null.toml", "control characters")],
+    [
+        ("missing.toml", "no such file"),
+        (".", "a folder"),
+        ("with\0null.toml", "the path has control characters; rename the file"),
+    ],
 )
 def test_a_file_that_cannot_be_read(path, found, tmp_path):
     with pytest.raises(ScenarioError) as error:

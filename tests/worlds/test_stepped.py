@@ -1,4 +1,4 @@
-"""Environments without a table: their calls and their failures."""
+"""Environments without a table."""
 
 from __future__ import annotations
 
@@ -25,8 +25,6 @@ from rl_tui.worlds.sections.schema import WorldRefusedError
 
 
 class Scripted(gymnasium.Env[Any, Any]):
-    """An environment that answers with its arguments, one by one; exceptions among them are raised."""
-
     closed = 0
 
     def __init__(self, observation_space=None, action_space=None, start=0, answer=None, **attributes):
@@ -56,15 +54,11 @@ class Scripted(gymnasium.Env[Any, Any]):
 
 
 class UnwritableError(Exception):
-    """An exception, or an observation, that cannot be converted to text."""
-
     def __str__(self):
         raise RuntimeError("no text")
 
 
 class Printing(Scripted):
-    """Prints every call on stdout."""
-
     def __init__(self, **kwargs):
         super().__init__(answer=(0, 0.0, True, False, {}), **kwargs)
         print("made")
@@ -160,37 +154,37 @@ def test_the_time_limit_is_the_environments_own():
     [
         (RuntimeError("no\x1b[2J\nroom"), "Scripted-v0 failed in a step: RuntimeError: no\\u001b[2J room"),
         (ValueError("x" * 5000), "Scripted-v0 failed in a step: ValueError: xxx"),
-        ((0, math.nan, False, False, {}), "Scripted-v0 gave a reward of nan"),
-        ((0, math.inf, False, False, {}), "Scripted-v0 gave a reward of inf"),
-        ((0, None, False, False, {}), "Scripted-v0 gave a reward of None, which is not a finite number"),
-        ((0, "3.5", False, False, {}), "Scripted-v0 gave a reward of '3.5', which is not a finite number"),
-        ((0, 10**400, False, False, {}), "Scripted-v0 gave a reward of "),
-        ((0, 1j, False, False, {}), "Scripted-v0 gave a reward of 1j"),
-        ((0, np.zeros(2), False, False, {}), "Scripted-v0 gave a reward of [0. 0.]"),
+        ((0, math.nan, False, False, {}), "Scripted-v0 returned the reward nan"),
+        ((0, math.inf, False, False, {}), "Scripted-v0 returned the reward inf"),
+        ((0, None, False, False, {}), "Scripted-v0 returned the reward None instead of a finite number"),
+        ((0, "3.5", False, False, {}), "Scripted-v0 returned the reward '3.5' instead of a finite number"),
+        ((0, 10**400, False, False, {}), "Scripted-v0 returned the reward "),
+        ((0, 1j, False, False, {}), "Scripted-v0 returned the reward 1j"),
+        ((0, np.zeros(2), False, False, {}), "Scripted-v0 returned the reward [0. 0.]"),
         (
             (0, 0.0, None, False, {}),
-            "Scripted-v0 answered terminated = None, which is neither true nor false",
+            "Scripted-v0 returned terminated = None instead of true or false",
         ),
-        ((0, 0.0, False, "False", {}), "Scripted-v0 answered truncated = 'False', which is neither"),
-        ((0, 0.0, math.nan, False, {}), "Scripted-v0 answered terminated = nan"),
-        ((-1, 0.0, False, False, {}), "Scripted-v0 observed -1, which is not in its own space"),
-        ((1.5, 0.0, False, False, {}), "Scripted-v0 observed 1.5, which is not in its own space"),
+        ((0, 0.0, False, "False", {}), "Scripted-v0 returned truncated = 'False' instead of"),
+        ((0, 0.0, math.nan, False, {}), "Scripted-v0 returned terminated = nan"),
+        ((-1, 0.0, False, False, {}), "Scripted-v0 returned the observation -1, which is outside"),
+        ((1.5, 0.0, False, False, {}), "Scripted-v0 returned the observation 1.5, which is outside"),
         (
             ("\x1b[2J", 0.0, False, False, {}),
-            "Scripted-v0 observed '\\x1b[2J', which is not in its own space",
+            "Scripted-v0 returned the observation '\\x1b[2J', which is outside",
         ),
-        (((0, 0), 0.0, False, False, {}), "Scripted-v0 observed (0, 0), which is not in its own space"),
-        ((3, 0.0, False, False, {}), "Scripted-v0 observed 3, which is not in its own space"),
-        ((None, 0.0, False, False, {}), "Scripted-v0 observed None, which is not in its own space"),
+        (((0, 0), 0.0, False, False, {}), "Scripted-v0 returned the observation (0, 0), which is outside"),
+        ((3, 0.0, False, False, {}), "Scripted-v0 returned the observation 3, which is outside"),
+        ((None, 0.0, False, False, {}), "Scripted-v0 returned the observation None, which is outside"),
         (
             (UnwritableError(), 0.0, False, False, {}),
-            "Scripted-v0 observed a UnwritableError that cannot be written",
+            "Scripted-v0 returned the observation a UnwritableError without readable text",
         ),
-        ((0, 0.0, False, {}), "Scripted-v0 answered 4 values to a step, which is not"),
-        (None, "Scripted-v0 answered None to a step"),
+        ((0, 0.0, False, {}), "Scripted-v0 returned 4 values from step instead"),
+        (None, "Scripted-v0 returned None from step"),
         (
             UnwritableError(),
-            "Scripted-v0 failed in a step: UnwritableError: a UnwritableError that cannot be written",
+            "Scripted-v0 failed in a step: UnwritableError: a UnwritableError without readable text",
         ),
         (SystemExit(3), "Scripted-v0 failed in a step: SystemExit: 3"),
         (MemoryError(), "Scripted-v0 failed in a step: MemoryError"),
@@ -211,11 +205,9 @@ def test_a_fault_in_a_step_is_one_clear_line(answer, message):
 def test_a_fault_at_the_start_is_one_clear_line():
     with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 failed to start: OSError: gone$"):
         environment(start=OSError("gone")).reset(0)
-    with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 observed 9, which"):
+    with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 returned the observation 9, which"):
         environment(start=9).reset(0)
-    with pytest.raises(
-        EnvironmentFailedError, match=r"^Scripted-v0 answered \(0, 1, 2\) to a reset, which is not"
-    ):
+    with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 returned \(0, 1, 2\) from reset instead"):
         environment(start=(0, 1, 2)).reset(0)
     with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 failed to start: SystemExit: 2$"):
         environment(start=SystemExit(2)).reset(0)
@@ -303,7 +295,7 @@ def test_other_spaces_than_the_time_before_are_refused():
     gymnasium.register("Changing-v0", Changing)
     try:
         world = stepped_world("Changing-v0", {})
-        with pytest.raises(EnvironmentFailedError, match="other spaces than the time before"):
+        with pytest.raises(EnvironmentFailedError, match="changed its spaces"):
             world.new_environment()
     finally:
         del gymnasium.registry["Changing-v0"]
@@ -321,7 +313,7 @@ def test_an_environment_that_cannot_even_be_read_is_refused():
 
     gymnasium.register("Secret-v0", Secret)
     try:
-        with pytest.raises(WorldRefusedError, match=r"cannot be read \(RuntimeError: not for you\)"):
+        with pytest.raises(WorldRefusedError, match=r"does not declare .* \(RuntimeError: not for you\)"):
             stepped_world("Secret-v0", {})
         with pytest.raises(WorldRefusedError, match="not for you"):
             GymnasiumSection(id="Secret-v0").build(None)
@@ -356,12 +348,21 @@ def test_it_is_closed_when_nobody_holds_it():
             "id",
             "10,001,000 pairs of a state and an action of Scripted-v0",
         ),
-        ({"action_space": spaces.Box(0.0, 1.0)}, "id", "Scripted-v0, whose actions are Box"),
-        ({"observation_space": spaces.Text(3)}, "id", "Scripted-v0, whose states are Text"),
+        (
+            {"action_space": spaces.Box(0.0, 1.0)},
+            "id",
+            "the actions of Scripted-v0 are Box; choose one with discrete actions",
+        ),
+        (
+            {"observation_space": spaces.Text(3)},
+            "id",
+            "the states of Scripted-v0 are Text; choose one with discrete states",
+        ),
         (
             {"observation_space": spaces.Box(0.0, 1.0, (2, 2))},
             "id",
-            "Scripted-v0, whose states are Box: 4 real numbers",
+            "the states of Scripted-v0 are a Box of 4 real numbers; "
+            "write a scenario file with .gymnasium.bins., which divides them into states",
         ),
     ],
 )
@@ -392,10 +393,10 @@ def test_by_its_table_where_it_has_one_and_stepped_where_not():
     with pytest.raises(WorldRefusedError, match=r"sum to 0\.5"):
         tabled(UNSOUND)
     assert not tabled(UNSOUND, False)
-    with pytest.raises(WorldRefusedError, match="Scripted-v0, which has no transition table"):
+    with pytest.raises(WorldRefusedError, match="Scripted-v0 has no transition table"):
         GymnasiumSection(id="Scripted-v0", table=True).build(None)
 
 
 def test_a_failing_start_is_found_when_the_file_is_checked():
     (finding,) = GymnasiumSection(id="Scripted-v0", kwargs={"start": OSError("gone")}).environment_findings()
-    assert finding.found == "Scripted-v0 failed to start: OSError: gone"
+    assert finding.found == "Scripted-v0 failed to start: OSError: gone; choose another environment"

@@ -1,4 +1,4 @@
-"""The flat arrays of a finite MDP: known layouts, refusals, and invariants of random ones."""
+"""The flat arrays of a finite MDP."""
 
 from __future__ import annotations
 
@@ -109,11 +109,11 @@ def outcome(**changes):
         ({"transitions": [Transition(0, 2, [])]}, "action in 0..1"),
         ({"transitions": [Transition(0, 0, [])]}, "sum to 0"),
         ({"transitions": outcome() * 2}, "given twice"),
-        ({"transitions": []}, "nothing can be done in state 0"),
+        ({"transitions": []}, "state 0 has no actions"),
         ({"start": {}}, "start: probabilities sum to 0"),
         ({"start": {0: 0.5}}, "start: probabilities sum to 0.5"),
-        ({"start": {2: 1.0}}, "nothing can be done in state 2"),
-        ({"start": {7: 1.0}}, "nothing can be done in state 7"),
+        ({"start": {2: 1.0}}, "state 2 has no actions"),
+        ({"start": {7: 1.0}}, "state 7 has no actions"),
         ({"time_limit": -1}, "time_limit is -1"),
         ({"state_names": ["a", "a", "b", "c"]}, "state_names"),
     ],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 import threading
 import time
 from collections.abc import Iterable
@@ -16,7 +17,7 @@ from rl_tui.agents.compiling.base_folder import base_folder
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
 from rl_tui.common.child_process import python_process
 from rl_tui.common.findings import one_line
-from rl_tui.common.packages import missing_package
+from rl_tui.common.packages import STAYS_INTERPRETED, missing_package
 
 # The process that compiles
 
@@ -28,10 +29,9 @@ GONE: Final = ""
 
 
 class WorkerProcess:
-    """A process that compiles into the cache. It ends with this process in any case.
+    """A process that compiles into the cache, and ends with this process in any case.
 
-    Args:
-        alone: True to compile without waiting for other processes.
+    If `alone`, it does not wait for others.
 
     Raises:
         OSError: The process cannot be started.
@@ -65,18 +65,14 @@ class WorkerProcess:
         self._answers.put(GONE)
 
     def ask(self, loop: Loop) -> None:
-        """Request `loop`.
-
-        Raises:
-            OSError: The worker has ended.
-        """
+        """Request `loop`. Raises OSError if the worker has ended."""
         try:
             self._stdin.write(json.dumps(loop).encode() + b"\n")
         except ValueError as error:  # closed by end()
             raise BrokenPipeError(str(error)) from error
 
     def answer(self, seconds: float) -> str | None:
-        """Return the next answer, GONE if the worker has ended, or None after `seconds`."""
+        """Return the next answer, GONE after the worker's end, or None after `seconds`."""
         try:
             return self._answers.get(timeout=seconds)
         except Empty:
@@ -85,7 +81,9 @@ class WorkerProcess:
     def let_others_go_first(self) -> None:
         """Give the worker the lowest priority, permanently."""
         self.is_idle = True
-        with suppress(AttributeError, OSError):
+        if sys.platform == "win32":
+            return
+        with suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, self._process.pid, IDLE_NICENESS)
 
     def end(self) -> None:
@@ -108,8 +106,8 @@ _LONGEST_REASON: Final = 200
 class BackgroundCompiler:
     """A thread that gets machine code and ends when there is nothing to do.
 
-    Code in the cache is read. Other code is compiled by one worker process for all loops. If that is
-    impossible or fails, or if the cache cannot store code, this process compiles and is slower meanwhile.
+    Code in the cache is read. Other code is compiled by one worker process, or more slowly in this process if
+    that is impossible or the cache cannot store it.
     """
 
     def __init__(self) -> None:
@@ -154,12 +152,12 @@ class BackgroundCompiler:
 
     @property
     def is_loading(self) -> bool:
-        """True while machine code is being read, at most for ``LONGEST_READ`` seconds."""
+        """True while machine code is read, at most for ``LONGEST_READ`` seconds."""
         since = self._loading_since
         return since is not None and time.monotonic() - since < LONGEST_READ
 
     def finish(self, seconds: float) -> None:
-        """Wait up to `seconds` until compiling in progress has finished. Nothing new is started."""
+        """Wait up to `seconds` for compiling in progress. Nothing new is started."""
         with self._lock:
             self._wanted = []
             thread = self._thread
@@ -168,16 +166,16 @@ class BackgroundCompiler:
             thread.join(_SHORT)
 
     def why_not(self, loops: Iterable[Loop]) -> str:
-        """Return why none of `loops` has or gets machine code. Empty if one may."""
+        """Return why none of `loops` can get machine code, or ""."""
         errors = [None if loop in COMPILED_LOOPS else self.failed.get(loop) for loop in loops]
         error = errors[0] if errors else None
         if error is None or None in errors:
             return ""
         reason = missing_package(error) or one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)
-        return f"Runs stay interpreted, far slower than machine code: {reason}"
+        return f"{STAYS_INTERPRETED}: {reason}"
 
     def get(self, loop: Loop) -> bool:
-        """Compile `loop`, or read it from the cache, in this thread. Return False on failure."""
+        """Get `loop` in this thread, from the cache or compiled. Return False on failure."""
         from rl_tui.agents.compiling.loops import compile_here
 
         try:
@@ -187,7 +185,7 @@ class BackgroundCompiler:
         return loop in COMPILED_LOOPS
 
     def read(self, loop: Loop) -> bool:
-        """Read `loop` from the cache in this thread. Return False if it is not there."""
+        """Read `loop` from the cache, or return False."""
         from rl_tui.agents.compiling.loops import load
 
         self._loading_since = time.monotonic()

@@ -1,13 +1,13 @@
 """The cache folder, and the check that other users cannot write to it.
 
-The cache of machine code contains pickles. Anyone with write access can run code in every process that reads
-it. So an unsafe folder is not used.
+It contains pickles: anyone with write access can run code in every process that reads it.
 """
 
 from __future__ import annotations
 
 import os
 import stat
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,8 +24,7 @@ _UMASK: Final = threading.Lock()
 def base_folder() -> Path:
     """Return the cache folder: RL_TUI_CACHE_DIR, or the platform's folder for this user.
 
-    Unsafe folders are skipped. If none is left, the result is the null device, where no folder can be
-    created.
+    Unsafe folders are skipped. The last resort is the null device.
     """
     chosen = os.environ.get(VARIABLE)
     if chosen and not _why_passed_over(Path(chosen)):
@@ -35,17 +34,17 @@ def base_folder() -> Path:
 
 
 def refusals() -> Iterator[str]:
-    """Yield a sentence for each skipped folder, with the reason and the fix."""
+    """Yield the reason and the fix for each skipped folder."""
     chosen = os.environ.get(VARIABLE)
     if chosen:
         why = _why_passed_over(Path(chosen))
         if not why:
             return
-        yield f"{VARIABLE}={chosen} is left out: {why}"
+        yield f"{VARIABLE}={chosen} is ignored: {why}"
     own = _own_folder()
     why = _why_passed_over(own)
     if why:
-        yield f"{own}: machine code is not kept there: {why}"
+        yield f"{own}: machine code is not saved there: {why}"
 
 
 def _why_passed_over(base: Path) -> str:
@@ -56,10 +55,8 @@ def why_unsafe(folder: Path) -> str:
     """Return why other users could change files in `folder`, and the fix. Empty if they cannot.
 
     The folder and all folders above must belong to this user or root, and must not be writable for others.
-    Above it, a sticky bit as in /tmp is enough. Missing folders are ignored. On Windows nothing is checked.
+    Above it, a sticky bit as in /tmp is enough. Missing folders are ignored.
     """
-    if os.name != "posix":
-        return ""
     place = os.path.realpath(folder)
     parts = [place]
     while os.path.dirname(parts[-1]) != parts[-1]:
@@ -76,14 +73,13 @@ def why_unsafe(folder: Path) -> str:
 
 
 def why_others_can_write(status: os.stat_result, *, is_above: bool = False) -> str:
-    """Return why another user can change something with this `status`, or an empty text.
+    """Return why another user can change something with this `status`, with ``{}`` for the path.
 
-    ``{}`` in the text is the place for the path. A group that contains only the owner counts as the owner.
-
-    Args:
-        status: Status of the file or folder.
-        is_above: True for a folder above the cache.
+    On Windows nothing is checked. A group that contains only the owner counts as the owner. Folders above the
+    cache are `is_above`.
     """
+    if sys.platform == "win32":
+        return ""
     if status.st_uid not in (0, os.geteuid()):
         return "{} belongs to another user; choose a folder of your own or of root"
     if is_above and status.st_mode & stat.S_ISVTX:
@@ -96,6 +92,8 @@ def why_others_can_write(status: os.stat_result, *, is_above: bool = False) -> s
 
 
 def _is_private(group: int, owner: int) -> bool:
+    if sys.platform == "win32":
+        return False
     import grp
     import pwd
 
@@ -108,7 +106,7 @@ def _is_private(group: int, owner: int) -> bool:
 
 @contextmanager
 def closed_to_others() -> Iterator[None]:
-    """Create files that others cannot write to, whatever the umask. One thread at a time."""
+    """Create files closed to others, whatever the umask. One thread at a time."""
     with _UMASK:
         before = os.umask(_OTHERS)
         os.umask(before | _OTHERS)

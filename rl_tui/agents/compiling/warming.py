@@ -22,7 +22,7 @@ from rl_tui.common.errors import UserError
 
 
 class Warmed(NamedTuple):
-    """Number of loops compiled by this process, and of loops found in the cache or compiled elsewhere."""
+    """Number of loops compiled by this process, and by others or earlier."""
 
     compiled: int
     found: int
@@ -31,18 +31,14 @@ class Warmed(NamedTuple):
 def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], None]) -> Warmed:
     """Compile `loops` into the cache with several processes, and check that they can be read.
 
-    If several programs do this for one cache, the first compiles and the others wait.
-
-    Args:
-        loops: Loops to compile.
-        workers: Number of processes.
-        on_progress: Called with (loops done, all loops).
+    If several programs share one cache, the first compiles and the others wait. Progress is (loops done, all
+    loops).
 
     Raises:
         UserError: The cache cannot store machine code.
     """
     if ALWAYS_INTERPRETED:
-        raise UserError("NUMBA_DISABLE_JIT is set: unset it to have machine code")
+        raise UserError("NUMBA_DISABLE_JIT is set; unset it to compile")
     if not takes_code():
         raise UserError(f"{cache_folder()}: machine code cannot be saved there: the folder is not writable")
     noted = set(filter(was_compiled, loops))
@@ -65,11 +61,7 @@ def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], 
 
 
 def _compiled(loops: list[Loop], workers: int) -> Iterator[CodeOrigin]:
-    """Yield the origin of each of `loops` as soon as it is known.
-
-    Each algorithm has its own worker, which returns its memory at the end. If a worker cannot start or dies,
-    this process compiles.
-    """
+    # Each algorithm has its own worker. If that fails, this process compiles
     waiting = [list(group) for _, group in groupby(loops, key=lambda loop: loop.algorithm)]
     busy = dict[WorkerProcess, list[Loop]]()
     try:

@@ -1,7 +1,6 @@
-"""A worker process that compiles loops for another process.
+"""A worker process that compiles loops for another process, without user code.
 
-It reads requests from stdin as lines of JSON, and answers each with a line on stdout. It ends with its stdin
-and imports no user code.
+It answers each line of JSON on stdin with a line on stdout, and ends with its stdin.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ NICENESS: Final = 5
 
 
 def main(*, alone: bool) -> None:
-    """Compile requests from stdin until it closes, which also interrupts compiling.
+    """Compile requests until stdin closes, which also interrupts compiling.
 
-    Args:
-        alone: True to compile without waiting for other processes.
+    A worker that is `alone` does not wait for other processes.
     """
-    with suppress(AttributeError, OSError):
-        os.nice(NICENESS)
+    if sys.platform != "win32":
+        with suppress(OSError):
+            os.nice(NICENESS)
     asked = SimpleQueue[str]()
     threading.Thread(target=_read, args=(sys.stdin, asked), daemon=True).start()
     from rl_tui.agents.compiling.loops import compile_alone, compile_in_turn
@@ -49,7 +48,7 @@ def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:
 
 
 def work(lines: Iterable[str], stdout: TextIO, come_by: Callable[[Loop], CodeOrigin]) -> None:
-    """Call `come_by` with the loop in each of `lines`, and write its result to `stdout`."""
+    """Write the result of `come_by` for each line to `stdout`."""
     from rl_tui.agents.kernels.machine_code import Loop
 
     for line in lines:

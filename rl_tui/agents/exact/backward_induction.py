@@ -9,18 +9,16 @@ import numpy as np
 
 from rl_tui.agents.kernels.compiled import compiled_for
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, machine_code
+from rl_tui.common.packages import is_installed
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, smallest_mdp
 
-# Sweeps with whole arrays, used without machine code. They add in the order of the kernels to get the same
-# bits: the first outcome of every pair, then every second one, and so on; pairs of states likewise
+# Sweeps with whole arrays. They add in the order of the kernels to get the same bits: the first outcome of
+# every pair, then every second one, and so on; pairs of states likewise
 
 
 class Model(NamedTuple):
-    """The data of a sweep: expected reward of each pair, [P], and weight of each outcome, [O].
-
-    The weight multiplies the value of the next state. It is 0 at the end of an episode.
-    """
+    """Expected reward of each pair, [P], and factor of the next value, [O]; 0 at an end."""
 
     first_pair: IntArray
     first_outcome: IntArray
@@ -30,7 +28,7 @@ class Model(NamedTuple):
 
 
 class Rank(NamedTuple):
-    """The k-th parts of all owners that have one: owners and parts, [n] each."""
+    """The k-th parts of all owners that have one, [n] each."""
 
     owners: IntArray
     parts: IntArray
@@ -56,7 +54,7 @@ def following(model: Model, policy: FloatArray) -> Sweep:
 
 
 def optimising(model: Model) -> Sweep:
-    """Return the sweep that takes the best pair of each state (equation 4.10)."""
+    """Return the sweep that takes the best pairs (equation 4.10)."""
     outcomes, pairs = list(_ranks(model.first_outcome)), list(_ranks(model.first_pair))
 
     def sweep(later: FloatArray) -> FloatArray:
@@ -71,7 +69,7 @@ def optimising(model: Model) -> Sweep:
 
 
 def seconds_of(model: Model) -> float:
-    """Return the approximate duration of a sweep in seconds."""
+    """Estimate the duration of a sweep in seconds."""
     ranks = int(np.diff(model.first_outcome).max(initial=0)) + int(np.diff(model.first_pair).max(initial=0))
     return 8e-6 * ranks + 2e-8 * len(model.next_state)
 
@@ -89,10 +87,6 @@ def _of_those_taken(rank: Rank, policy: FloatArray) -> Rank:
 
 
 def _ranks(first: IntArray) -> Iterator[Rank]:
-    """Yield the first parts of all owners, then the second parts, and so on.
-
-    Owner n has the parts ``first[n]`` .. ``first[n+1]``.
-    """
     counts = np.diff(first)
     for number in range(int(counts.max(initial=0))):
         owners = np.flatnonzero(counts > number)
@@ -107,33 +101,18 @@ WORTH_COMPILING: Final = 3.0
 def policy_values(
     mdp: TabularMDP, policy: FloatArray, steps: int, reward: FloatArray | None = None
 ) -> FloatArray:
-    """Compute the expected sum of rewards of a policy from each state.
+    """Compute the expected sum of rewards, [S], of `policy`, [P], in `steps` steps.
 
-    Args:
-        mdp: The world.
-        policy: Probability of each pair, [P].
-        steps: Horizon in steps.
-        reward: Rewards to use instead of the world's own, [O].
-
-    Returns:
-        Values, [S].
+    `reward`, [O], replaces the world's own.
     """
     model = model_of(mdp, mdp.reward if reward is None else reward)
     return _swept(_follow, (model, policy), lambda: following(model, policy), mdp.states, steps)
 
 
 def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
-    """Compute the highest expected discounted sum of rewards from each state.
+    """Compute the best expected discounted sum of rewards, [S], in `steps` steps.
 
     The policy may depend on the remaining time.
-
-    Args:
-        mdp: The world.
-        gamma: Discount, 0 to 1.
-        steps: Horizon in steps.
-
-    Returns:
-        Values, [S].
     """
     model = model_of(mdp, mdp.reward, gamma)
     return _swept(_optimise, (model,), lambda: optimising(model), mdp.states, steps)
@@ -146,16 +125,15 @@ def _swept(
     states: int,
     steps: int,
 ) -> FloatArray:
-    """Return the values, [S], after `steps` sweeps.
-
-    Without machine code, whole arrays do the sweeps, with the same bits. If many sweeps remain and values
-    still change, machine code is compiled after a while.
-    """
+    # By whole arrays, or machine code after a while, with the same bits
     v, later = np.zeros((2, states))
     left = steps
     if SHARED not in COMPILED_LOOPS:
         sweep, seconds = new_sweep(), seconds_of(args[0])
-        while left and not (seconds * (steps - left) > FIRST_LOOK and seconds * left > WORTH_COMPILING):
+        may_compile = seconds * steps > WORTH_COMPILING and is_installed("numba")
+        while left and not (
+            may_compile and seconds * (steps - left) > FIRST_LOOK and seconds * left > WORTH_COMPILING
+        ):
             v = sweep(later)
             left -= 1
             if np.array_equal(v, later):  # values equal to the last bit never change again
@@ -167,13 +145,7 @@ def _swept(
 
 
 def model_of(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:
-    """Return the data for sweeps over `mdp`.
-
-    Args:
-        mdp: The world.
-        reward: Reward of each outcome, [O].
-        gamma: Discount, 0 to 1.
-    """
+    """Return the data for sweeps over `mdp` with rewards, [O]."""
     total = np.add.reduceat(mdp.probability, mdp.first_outcome[:-1])
     probability = mdp.probability / total[mdp.outcome_pair]
     return Model(
@@ -203,7 +175,7 @@ def _follow(
     v: FloatArray,
     later: FloatArray,
 ) -> None:
-    """Write the values of `policy`, `steps` steps before `later`, to `v`, both [S]."""
+    """Write the values `steps` steps before `later` to `v`, both [S]."""
     for _ in range(steps):
         moved = False
         for state in range(len(v)):
@@ -230,7 +202,7 @@ def _optimise(
     v: FloatArray,
     later: FloatArray,
 ) -> None:
-    """Write the best values, `steps` steps before `later`, to `v`, both [S]."""
+    """Write the best values `steps` steps before `later` to `v`, both [S]."""
     for _ in range(steps):
         moved = False
         for state in range(len(v)):

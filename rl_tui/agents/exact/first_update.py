@@ -1,8 +1,6 @@
 """The exact wait until an agent learns anything, and its cause.
 
-While all estimates are equal, the behaviour of the agent is known. Apart from exploring, it breaks ties at
-random or takes the first action. So every episode has the same chance to reach an outcome that changes an
-estimate.
+While all estimates are equal, every episode has the same chance to change one.
 """
 
 from __future__ import annotations
@@ -37,10 +35,9 @@ class Wait:
     """The wait for the first update that changes an estimate.
 
     Args:
-        chance: Chance of one episode, 0 to 1.
-        mean_episodes: Mean number of episodes, counting the successful one. None if the chance is 0, or if an
-            episode may never end.
-        median_episodes: Smallest number of episodes with a chance of at least one half, or None.
+        chance: Chance of one episode.
+        mean_episodes: Counts the successful one. None if it may never come.
+        median_episodes: Smallest number with a chance of at least one half, or None.
     """
 
     chance: float
@@ -51,15 +48,8 @@ class Wait:
 def first_wait(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episode: int = 0) -> Wait:
     """Compute how long an agent learns nothing while all its estimates equal ``initial_q``.
 
-    An outcome changes an estimate if r + γ · Q · [not ended] differs from Q. This is decided in floats, as
-    the agent computes it. The last step before the time limit bootstraps like any other. Noisy rewards always
-    count. The mean over next actions in Expected SARSA is taken as Q, without rounding.
-
-    Args:
-        mdp: The world.
-        algorithm: Id of the algorithm.
-        hyperparameters: Settings.
-        episode: Episode (from 0) whose step size applies.
+    An outcome changes an estimate if r + γ · Q · [not ended] differs from Q, in floats. The last step before
+    the time limit bootstraps like any other. Noisy rewards always count. `episode` counts from 0.
 
     Raises:
         NoExactAnswer: The agent does not update exactly one pair per step, its policy is not ε-greedy with
@@ -72,42 +62,23 @@ def first_wait(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters
 
 @lru_cache(maxsize=1)  # keeps only the latest world in memory
 def _known_waits(mdp: TabularMDP) -> Callable[[bytes, bytes], Wait]:
-    """Return :func:`_wait` for the world `mdp`, with a cache of results."""
     return lru_cache(maxsize=16)(partial(_wait, mdp))
 
 
 def _wait(mdp: TabularMDP, telling: bytes, chances: bytes) -> Wait:
-    """Return the wait for a telling outcome, [O], under a policy, [P], both as bytes.
-
-    Few settings change these arrays, so results are cached by their bytes.
-    """
+    # Telling outcomes, [O], and policy, [P], are bytes for the cache
     tells, policy = np.frombuffer(telling, np.bool_), np.frombuffer(chances)
     stopped = replace(mdp, terminated=mdp.terminated | tells)
     return _limited(stopped, tells, policy) if mdp.time_limit else _unlimited(stopped, tells, policy)
 
 
 def steps_to_tell(mdp: TabularMDP, tells: BoolArray) -> int | None:
-    """Return the fewest steps from the start to one of the outcomes `tells`, [O].
-
-    The time limit is ignored.
-
-    Returns:
-        Steps, 1 or more, or None if no policy gets there.
-    """
+    """Return the fewest steps to an outcome in `tells`, [O], without a time limit, or None."""
     return _nearest(exact_model(mdp), tells, np.ones(mdp.pairs, dtype=np.bool_))
 
 
 def telling_outcomes(mdp: TabularMDP, hyperparameters: Hyperparameters, alpha: float) -> BoolArray:
-    """Return the outcomes that change an estimate of ``initial_q``.
-
-    Args:
-        mdp: The world.
-        hyperparameters: Settings.
-        alpha: Step size.
-
-    Returns:
-        Truth values, [O].
-    """
+    """Return the outcomes, [O], that change an estimate of ``initial_q``."""
     q = hyperparameters.initial_q
     error = mdp.reward + hyperparameters.gamma * np.where(mdp.terminated, 0.0, q) - q
     moves: BoolArray = (q + alpha * error != q) | ((mdp.reward_std > 0.0) & (alpha > 0.0))
@@ -115,18 +86,19 @@ def telling_outcomes(mdp: TabularMDP, hyperparameters: Hyperparameters, alpha: f
 
 
 def _check_known(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episode: int) -> None:
-    """Raise NoExactAnswer if episodes differ or their updates are unknown."""
     agent, policy = algorithm_of(algorithm), POLICY_BY_ID[hyperparameters.policy]
     if agent.planner:
-        raise NoExactAnswer(f"{agent.name} plans with the model: it needs no luck to find a reward")
+        raise NoExactAnswer(f"{agent.name} plans with the model, so it does not wait for a first reward")
     if not agent.updates_own_pair:
         names = [each.name for each in BY_ID.values() if each.updates_own_pair]
         known = f"{', '.join(names[:-1])} and {names[-1]}"
-        raise NoExactAnswer(f"{agent.name} does not update one pair per step; known for {known} only")
+        raise NoExactAnswer(
+            f"{agent.name} does not update one pair per step; the wait is known only for {known}"
+        )
     if not policy.explores_by_epsilon:
-        raise NoExactAnswer(f"the policy is {policy.name}; the wait is known for ε-greedy agents only")
+        raise NoExactAnswer(f"the policy is {policy.name}; the wait is known only for ε-greedy agents")
     if hyperparameters.epsilon_schedule != "constant" and hyperparameters.epsilon_decay != 0.0:
-        raise NoExactAnswer("ε changes from episode to episode; the wait is known for a constant ε only")
+        raise NoExactAnswer("ε changes between episodes; the wait is known only for a constant ε")
     if mdp.drift_std > 0.0:
         raise NoExactAnswer("the rewards of this world drift, so episodes differ")
     if hyperparameters.alpha_at(episode) and _falls_to_zero(hyperparameters):
@@ -140,13 +112,12 @@ def _falls_to_zero(hyperparameters: Hyperparameters) -> bool:
 
 
 def _step_size(hyperparameters: Hyperparameters, episode: int) -> float:
-    """Return α in `episode`; 1 for the sample average, which takes the first target completely."""
+    # The sample average takes the first target completely
     alpha = hyperparameters.alpha_at(episode)
     return 1.0 if alpha is None else alpha
 
 
 def _first_policy(mdp: TabularMDP, hyperparameters: Hyperparameters) -> FloatArray:
-    """Return the policy while all estimates are equal, [P]."""
     if hyperparameters.ties == "random":
         return uniform_policy(mdp)
     return softened(mdp, greedy_policy(mdp, np.zeros(mdp.pairs), "first"), hyperparameters.epsilon)
@@ -164,7 +135,7 @@ def _limited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:
 
 
 def _may_time_out_or_end(stopped: TabularMDP, tells: BoolArray, usable: BoolArray) -> BoolArray:
-    """Return the states, [S], from which an episode may end or time out without a telling outcome."""
+    # [S]: without a telling outcome
     silent = ~tells & usable[stopped.outcome_pair]
     source = stopped.pair_state[stopped.outcome_pair][silent]
     ends, target = stopped.terminated[silent], stopped.next_state[silent]
@@ -194,7 +165,7 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
     error = chain.solve(1.0, can_tell, chances, tells.astype(np.longdouble))
     chance = _representable(stopped.average_at_start(chances))
     if error > _RELATIVE_PRECISION * chance:
-        raise NoExactAnswer("without a time limit, so small a chance cannot be computed")
+        raise NoExactAnswer("the chance is too small to compute without a time limit")
     if chain.always_ends():
         return Wait(chance, 1.0 / chance, _median(chance))
     another = max(0.0, chain.chance_of_ending() - chance)
@@ -202,35 +173,29 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
 
 
 def _nearest(model: ExactModel, tells: BoolArray, usable: BoolArray) -> int | None:
-    """Return the fewest steps from the start to a telling outcome by `usable` pairs, [P], or None."""
     steps = _steps_before(model, tells, usable)[model.mdp.start_state]
     return int(steps[steps >= 0].min()) + 1 if (steps >= 0).any() else None
 
 
 def _steps_before(model: ExactModel, tells: BoolArray, usable: BoolArray) -> IntArray:
-    """Return the fewest steps from each state, [S+1], to one with a telling outcome, or −1."""
+    # Steps from each state, [S+1], to a telling outcome, or −1
     telling = np.unique(model.pair_state[model.outcome_pair[tells & usable[model.outcome_pair]]])
     return model.steps_to(telling.tolist(), usable)
 
 
 def _representable(chance: float) -> float:
-    """Return `chance`, at most 1. Raise NoExactAnswer if it is too small for a float."""
     if chance <= 0.0 or math.isinf(1.0 / chance):
-        raise NoExactAnswer("the chance of an episode is above 0, but smaller than any number here")
+        raise NoExactAnswer("the chance per episode is above 0, but too small for a number")
     return min(1.0, chance)
 
 
 def _median(chance: float) -> int:
-    """Return the smallest n with 1 − (1 − chance)ⁿ ≥ ½, for a chance above 0."""
+    # The smallest n with 1 − (1 − chance)ⁿ ≥ ½
     return 1 if chance >= 0.5 else math.ceil(math.log(0.5) / math.log1p(-chance))
 
 
 def _median_of_those_that_end(chance: float, another: float) -> int | None:
-    """Return the median if an episode can also run forever.
-
-    `another` is the probability that an episode ends without a telling outcome. The chance of success within
-    n episodes is chance · (1 − anotherⁿ) / (1 − another).
-    """
+    # `another` is the probability that an episode ends without a telling outcome
     if chance >= 0.5:
         return 1
     missing = 1.0 - (1.0 - another) / (2.0 * chance)
@@ -261,7 +226,7 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Remedy:
-    """A changed `setting` with its `value`, and the resulting wait."""
+    """A changed setting, and the resulting wait."""
 
     setting: str
     value: float | str
@@ -273,10 +238,8 @@ class FirstUpdate:
     """The wait for the first update, its cause and remedies.
 
     Args:
-        wait: The wait.
-        cause: The cause, or None if no single setting is proven to be it.
-        distance: Fewest steps from the start to an outcome that changes an estimate, without a time limit, or
-            None.
+        cause: None without proof.
+        distance: Fewest steps to an outcome that changes an estimate, without a time limit, or None.
         remedies: Changes that at least halve the mean wait, best first.
     """
 
@@ -289,13 +252,7 @@ class FirstUpdate:
 def first_update(
     mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episode: int = 0
 ) -> FirstUpdate:
-    """Compute the wait for the first update, its cause and remedies.
-
-    Args:
-        mdp: The world.
-        algorithm: Id of the algorithm.
-        hyperparameters: Settings.
-        episode: Next episode, from 0.
+    """Compute the wait from `episode` (from 0) on, its cause and remedies.
 
     Raises:
         NoExactAnswer: The wait is unknown; see :func:`first_wait`.
@@ -316,7 +273,6 @@ def first_update(
 
 
 def _candidates(hyperparameters: Hyperparameters) -> Iterator[Sequence[tuple[str, float | str]]]:
-    """Yield values to try, grouped by setting."""
     if not hyperparameters.sample_average:
         yield [("step_size_schedule", "constant")]
         yield [("alpha", _USUAL_ALPHA)]

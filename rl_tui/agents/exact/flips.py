@@ -1,6 +1,6 @@
 """Flip points: every γ in (0, 1) at which the optimal actions of a state change.
 
-All decisions use integers, so rounding neither hides nor invents a flip point.
+Decisions use integers, so rounding neither hides nor invents any.
 """
 
 from __future__ import annotations
@@ -44,10 +44,7 @@ CLOSER_THAN_FLOATS: Final = Fraction(1, 2**90)
 
 @dataclass(frozen=True, slots=True)
 class RealRoot:
-    """The only root of `polynomial` between `lower` and `upper`, which are not roots.
-
-    `sign` is the sign of the polynomial at `lower`, −1 or 1; at `upper` it is opposite.
-    """
+    """The only root of `polynomial` between `lower` and `upper`, with its sign at `lower`."""
 
     polynomial: Polynomial
     lower: Fraction
@@ -56,25 +53,25 @@ class RealRoot:
 
     @property
     def width(self) -> Fraction:
-        """Distance of the two bounds."""
+        """Distance of the bounds."""
         return self.upper - self.lower
 
     def refined(self) -> RealRoot:
-        """Return the same root with at most two thirds of the width."""
+        """Return the root with at most two thirds of the width."""
         middle, sign = _split(self.polynomial, self.lower, self.upper)
         if sign == self.sign:
             return RealRoot(self.polynomial, middle, self.upper, sign)
         return RealRoot(self.polynomial, self.lower, middle, self.sign)
 
     def within(self, width: Fraction) -> RealRoot:
-        """Return the same root with at most this width."""
+        """Return the root with at most this width."""
         root = self
         while root.width > width:
             root = root.refined()
         return root
 
     def nearest_float(self) -> float:
-        """Return the float nearest to the root, or either of two equally near ones."""
+        """Return the float nearest to the root."""
         root = self
         while float(root.lower) != float(root.upper) and root.width > CLOSER_THAN_FLOATS:
             root = root.refined()
@@ -82,12 +79,7 @@ class RealRoot:
 
 
 def in_order(one: RealRoot, other: RealRoot) -> tuple[int, RealRoot, RealRoot]:
-    """Compare two roots.
-
-    Returns:
-        −1, 0 or 1 for less, equal or greater, and both roots refined. The bounds of different roots no longer
-        overlap.
-    """
+    """Compare two roots: −1, 0 or 1, and both refined until their bounds differ."""
     shared: Polynomial | None = None
     while True:
         if one.upper <= other.lower:
@@ -109,23 +101,17 @@ def in_order(one: RealRoot, other: RealRoot) -> tuple[int, RealRoot, RealRoot]:
 
 
 def first_change(given: Polynomial, lower: Fraction, upper: Fraction) -> RealRoot | None:
-    """Return the smallest root between the bounds where `given` changes its sign, or None.
+    """Return the smallest root between the bounds with a change of sign.
 
-    Args:
-        given: Primitive polynomial that is not 0 at the bounds.
-        lower: Lower bound.
-        upper: Upper bound.
+    The primitive polynomial `given` is not 0 at the bounds.
     """
     return _change(given, lower, upper, from_below=True)
 
 
 def last_change(given: Polynomial, lower: Fraction, upper: Fraction) -> RealRoot | None:
-    """Return the largest root between the bounds where `given` changes its sign, or None.
+    """Return the largest root between the bounds with a change of sign.
 
-    Args:
-        given: Primitive polynomial that is not 0 at the bounds.
-        lower: Lower bound.
-        upper: Upper bound.
+    The primitive polynomial `given` is not 0 at the bounds.
     """
     return _change(given, lower, upper, from_below=False)
 
@@ -149,7 +135,7 @@ def _change(given: Polynomial, lower: Fraction, upper: Fraction, *, from_below: 
 
 
 def _split(given: Polynomial, lower: Fraction, upper: Fraction) -> tuple[Fraction, int]:
-    """Return a fraction near the middle where `given` is not 0, and the sign there."""
+    # A fraction near the middle that is not a root, and the sign there
     for parts in count(2):
         for part in range(-(-parts // 3), 2 * parts // 3 + 1):
             middle = lower + (upper - lower) * Fraction(part, parts)
@@ -172,10 +158,10 @@ class OptimalInterval:
     """The largest open interval of γ on which a policy is optimal.
 
     Args:
-        policy: The policy, [N] pairs.
-        optimal: True for all pairs optimal on the interval, [P]. At single γ, others may be equally good.
-        lower: Lower end; None: 0.
-        upper: Upper end; None: 1.
+        policy: [N] pairs.
+        optimal: All optimal pairs, [P]. At single γ, others may be equally good.
+        lower: None: 0.
+        upper: None: 1.
     """
 
     policy: tuple[int, ...]
@@ -185,11 +171,9 @@ class OptimalInterval:
 
 
 def optimal_intervals(model: RationalModel, guess: Sequence[int]) -> list[OptimalInterval]:
-    """Return all intervals from 0 to 1. Each ends where the next begins.
+    """Return all intervals from 0 to 1, in order.
 
-    Args:
-        model: The world in integers.
-        guess: Any policy, [N] pairs. The search is fast if it is optimal for some γ near 1/2.
+    A `guess`, [N] pairs, that is optimal near γ = 1/2 saves time.
     """
     found = _between(model, None, None, guess)
     place = 0
@@ -205,7 +189,7 @@ def optimal_intervals(model: RationalModel, guess: Sequence[int]) -> list[Optima
 def _between(
     model: RationalModel, left: OptimalInterval | None, right: OptimalInterval | None, guess: Sequence[int]
 ) -> list[OptimalInterval]:
-    """Return an interval between `left` (None: 0) and `right` (None: 1), or nothing if they meet."""
+    # Nothing if `left` (None: 0) and `right` (None: 1) meet
     lower, upper = left and left.upper, right and right.lower
     if (left and not lower) or (right and not upper):
         return []
@@ -240,7 +224,7 @@ def _around(model: RationalModel, lower: Fraction, upper: Fraction, guess: Seque
 
 
 def _fractions_between(lower: Fraction, upper: Fraction) -> Iterator[Fraction]:
-    """Yield fractions between the bounds with powers of 2 as denominators, smallest first."""
+    # With powers of 2 as denominators, smallest first
     for bits in count(1):
         first, last = math.floor(lower * 2**bits) + 1, math.ceil(upper * 2**bits)
         yield from (Fraction(odd, 2**bits) for odd in range(first | 1, last, 2))
@@ -249,7 +233,7 @@ def _fractions_between(lower: Fraction, upper: Fraction) -> Iterator[Fraction]:
 def _optimal_policy(
     model: RationalModel, gamma: Fraction, guess: Sequence[int]
 ) -> tuple[tuple[int, ...], PolicyValues]:
-    """Return an optimal policy at `gamma`, [N] pairs, and its values (page 80, from `guess`)."""
+    # Policy iteration (page 80), from `guess`, [N] pairs
     policy = tuple(guess)
     while True:
         values = policy_values(model, policy)
@@ -265,7 +249,7 @@ def _optimal_policy(
 
 
 def _nearest_above(advantages: Sequence[Polynomial], gamma: Fraction) -> RealRoot | None:
-    """Return the smallest γ above `gamma` where one of the `advantages` becomes positive, or None."""
+    # The next γ where an advantage becomes positive
     nearest: RealRoot | None = None
     for advantage in advantages:
         while nearest and not sign_at(advantage, nearest.upper):
@@ -280,7 +264,7 @@ def _nearest_above(advantages: Sequence[Polynomial], gamma: Fraction) -> RealRoo
 
 
 def _nearest_below(advantages: Sequence[Polynomial], gamma: Fraction) -> RealRoot | None:
-    """Return the largest γ below `gamma` where one of them becomes positive as γ falls, or None."""
+    # The previous γ where an advantage becomes positive as γ falls
     nearest: RealRoot | None = None
     for advantage in advantages:
         while nearest and not sign_at(advantage, nearest.lower):
@@ -302,19 +286,11 @@ AS_LIKELY: Final = 1e-9
 
 
 def way_from_start(model: ExactModel, optimal: BoolArray) -> BoolArray | None:
-    """Return the states on the most likely path of optimal actions from the start.
+    """Return the states, [S+1], on the most likely path of `optimal` pairs, [P], from the start.
 
-    From each state the path follows the most likely next state, combining outcomes with the same next state.
-    Staying is ignored. Ties, several optimal actions and several starts are all followed. The path reaches
-    the end, or it circles in a part from which the end cannot be reached.
-
-    Args:
-        model: The world.
-        optimal: True for optimal pairs, [P].
-
-    Returns:
-        Truth values, [S+1], or None if the path circles until a slip leads out. Then it does not show how the
-        episode continues.
+    Each state leads to the most likely other state, and ties to several. The path reaches the end, or circles
+    in a part without an end. None if it circles until a slip leads out, because it does not show how the
+    episode continues.
     """
     source = model.pair_state[model.outcome_pair]
     moves = np.flatnonzero(optimal[model.outcome_pair] & (model.landing != source))
@@ -341,7 +317,7 @@ MIDDLE: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """The change in one state: the pairs, indices into [P], that are optimal below and above γ."""
+    """The pairs of one state that are optimal below and above γ."""
 
     state: int
     before: tuple[int, ...]
@@ -353,12 +329,12 @@ class Flip:
     """A value of γ at which optimal actions change.
 
     Args:
-        gamma: The float nearest to it.
-        turns_the_way: True if a changed state is a start, or on the optimal path below or above
-            (:func:`~rl_tui.agents.exact.flips.way_from_start`). Without a path, only starts count.
+        gamma: The nearest float.
+        turns_the_way: True if a changed state is a start, or on an optimal path (:func:`way_from_start`),
+            below or above.
         expected_return: Undiscounted return of the optimal policy below and above, uniform over ties, within
-            the time limit. None without one.
-        turns: States whose optimal actions differ on the two sides, in order.
+            the time limit, or None.
+        turns: In the order of states.
     """
 
     gamma: float
@@ -368,10 +344,10 @@ class Flip:
 
 
 def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
-    """Return all flip points of `mdp`, rising in γ. None is missed or invented by rounding.
+    """Return all flip points, rising in γ. Rounding neither hides nor invents any.
 
-    Probabilities and rewards are read as the nearest fractions with denominators up to 10⁶. A γ at which an
-    action is only momentarily as good is not a flip point.
+    Probabilities and rewards are the nearest fractions with denominators up to 10⁶. A γ at which an action is
+    only momentarily as good does not count.
 
     Raises:
         NoExactAnswer: More than 100 states have pairs, or a non-zero number is too small.
@@ -392,24 +368,24 @@ def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
 
 
 def why_refused(mdp: TabularMDP) -> str:
-    """Return why flip points of `mdp` are not computed, judged by its size. Empty if they are."""
+    """Return why `mdp` is too large, or an empty text."""
     live = int(np.count_nonzero(np.diff(mdp.first_pair)))
     most = counted(MOST_STATES, "state")
     return (
-        f"flip points are computed for at most {most}; here {live:,} are live" if live > MOST_STATES else ""
+        f"flip points are computed for at most {most} with actions; here there are {live:,}"
+        if live > MOST_STATES
+        else ""
     )
 
 
 class _Side(NamedTuple):
-    """One side of a flip point: optimal pairs, [P], their return, and the path from the start, if any."""
-
     optimal: BoolArray
     expected_return: float | None
     way: BoolArray | None
 
 
 def _guess(model: ExactModel) -> list[int]:
-    """Return a policy, [N] pairs, that is probably optimal at γ = 1/2."""
+    # [N] pairs, probably optimal at γ = 1/2
     mdp = model.mdp
     v = np.append(best_values(mdp, MIDDLE, mdp.states), 0.0).astype(np.longdouble)
     advantage = model.advantage(v, MIDDLE).tolist()

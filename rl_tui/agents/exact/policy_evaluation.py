@@ -1,7 +1,4 @@
-"""Exact values of a policy over an unlimited horizon (Sutton & Barto, 2nd ed., equation 4.4).
-
-``Solution`` holds the optimal values and policy, which ``solve`` computes.
-"""
+"""Exact values of a policy over an unlimited horizon (Sutton & Barto, 2nd ed., equation 4.4)."""
 
 from __future__ import annotations
 
@@ -13,6 +10,7 @@ import numpy as np
 
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray, Ways, exact_model
 from rl_tui.common.errors import UserError
+from rl_tui.common.packages import is_installed
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -20,7 +18,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class NoExactAnswer(UserError):  # noqa: N818 - it is an answer
-    """There is no exact answer, for example because a loop gains forever at γ = 1."""
+    """There is no exact answer, for example because a loop gains forever."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,16 +26,14 @@ class Solution:
     """Optimal values and policy for an unlimited horizon.
 
     Args:
-        gamma: The discount.
-        v: Value of each state, [S]; 0 for states without pairs.
-        q: Value of each pair, [P].
+        v: [S]; 0 without pairs.
+        q: [P].
         best: True for pairs within 1e-9 of the best of their state, [P].
-        greedy: The best pairs shown as the optimal policy, [P]. At γ = 1 these are
-            :func:`~rl_tui.agents.exact.solve.ending_ties`, because other choices among the best pairs may
-            never end.
+        greedy: The best pairs, [P]. At γ = 1 only those of :func:`~rl_tui.agents.exact.solve.ending_ties`,
+            because others may never end.
         value_at_start: Mean of `v` over the start distribution.
-        policy: The evaluated policy, [N] pairs of the live states.
-        iterations: Number of policies that policy iteration evaluated.
+        policy: The evaluated policy, [N] pairs.
+        iterations: Number of policies evaluated.
     """
 
     gamma: float
@@ -51,13 +47,11 @@ class Solution:
 
 
 class Returns(NamedTuple):
-    """Undiscounted returns within the time limit.
-
-    Without a time limit the horizon is unlimited, and None means no answer.
+    """Undiscounted returns within the time limit, if any. None means no answer.
 
     Args:
-        expected_return: Return of the greedy policy of a solution, uniform over ties.
-        best_expected_return: Return of the best policy, which may use the elapsed time.
+        expected_return: Greedy policy, uniform over ties.
+        best_expected_return: Best policy, which may use the elapsed time.
     """
 
     expected_return: float | None
@@ -72,6 +66,8 @@ PRECISION: Final = 1e-10
 RELATIVE_PRECISION: Final = 1e-15
 # Largest number of states with a dense matrix
 MOST_DENSE: Final = 400
+# The same without SciPy, which solves sparse systems
+MOST_WITHOUT_SCIPY: Final = 2_000
 
 Solver = Callable[[FloatArray], FloatArray]
 
@@ -85,9 +81,8 @@ class PolicyValue:
     """Values of a policy.
 
     Args:
-        v: Value of each state, [S]; 0 for states without pairs. NaN, at γ = 1 only, if the policy may collect
-            rewards forever.
-        at_start: Mean over the start distribution, or None if that involves NaN.
+        v: [S]; 0 without pairs. NaN, at γ = 1 only, if the policy may collect rewards forever.
+        at_start: Mean over the start distribution, or None for NaN.
     """
 
     v: FloatArray
@@ -95,10 +90,8 @@ class PolicyValue:
 
 
 class _Moves(NamedTuple):
-    """All n outcomes possible under a policy, in the order of the N live states.
-
-    `source`, `outcome`, `target` and `weight` (its probability) are [n]. The outcomes of a live state begin
-    at `first` and have the sum `total`, [N] each.
+    """Outcomes possible under a policy, [n]. Those of a live state begin at `first`, [N], with the sum
+    `total`, [N].
     """
 
     source: IntArray
@@ -110,7 +103,6 @@ class _Moves(NamedTuple):
 
 
 def _moves_of(model: ExactModel, policy: FloatArray) -> _Moves:
-    """Return the possible outcomes under `policy`, [P]."""
     outcome = np.flatnonzero((policy > 0.0)[model.outcome_pair])
     pair = model.outcome_pair[outcome]
     source = model.pair_state[pair]
@@ -121,13 +113,9 @@ def _moves_of(model: ExactModel, policy: FloatArray) -> _Moves:
 
 
 class PolicyChain:
-    """The Markov chain of a policy, and its exact figures over an unlimited horizon.
+    """The Markov chain of `policy`, [P], over an unlimited horizon.
 
-    Searches and factorizations are reused. Each figure raises NoExactAnswer if rounding would spoil it.
-
-    Args:
-        model: The world.
-        policy: Probability of each pair, [P].
+    Each number raises NoExactAnswer if rounding would spoil it.
     """
 
     def __init__(self, model: ExactModel, policy: FloatArray) -> None:
@@ -140,7 +128,7 @@ class PolicyChain:
         self._solver: Solver | None = None
 
     def value(self, gamma: float) -> PolicyValue:
-        """Return the values for `gamma` in [0, 1]. At γ = 1 an endless part without rewards adds 0."""
+        """Return the values. At γ = 1 an endless part without rewards adds 0."""
         model = self._model
         if gamma == 1.0:
             v = self._undiscounted()
@@ -160,7 +148,7 @@ class PolicyChain:
         return min(1.0, max(0.0, self._model.mdp.average_at_start(chance)))
 
     def expected_length(self) -> float | None:
-        """Return the expected number of steps of an episode, or None if it may never end."""
+        """Return the expected length of an episode, or None."""
         if not self.always_ends():
             return None
         _, may_fail = self._find_endings()
@@ -169,20 +157,17 @@ class PolicyChain:
         return self._model.mdp.average_at_start(length)
 
     def always_ends(self) -> bool:
-        """Return True if every episode ends with probability 1, given enough time."""
+        """Return True if every episode ends with probability 1."""
         _, may_fail = self._find_endings()
         return not may_fail[self._model.mdp.start_state].any()
 
     def solve(
         self, gamma: float, unknown: BoolArray, v: ExtendedArray, reward: ExtendedArray | None = None
     ) -> float:
-        """Solve v(s) = E[R + γ v(S′)] for some states, given the values of all others.
+        """Solve v(s) = E[R + γ v(S′)] for the `unknown` live states, [S+1], in place.
 
-        Args:
-            gamma: Discount, 0 to 1.
-            unknown: True for the live states to solve, [S+1]. At γ = 1 the policy must leave them.
-            v: Values, [S+1], changed in place.
-            reward: Rewards to use instead of the world's own, [O].
+        At γ = 1 the policy must leave them. All other values `v`, [S+1], are given. `reward`, [O], replaces
+        the world's own.
 
         Returns:
             Size of the last correction, an estimate of the rounding error.
@@ -215,7 +200,7 @@ class PolicyChain:
         return error
 
     def _undiscounted(self) -> ExtendedArray:
-        """Return the values at γ = 1, [S+1], with NaN where they do not exist."""
+        """Return NaN where no values exist, [S+1]."""
         model, moves = self._model, self._moves
         paying = np.zeros(model.end + 1, dtype=np.bool_)
         paying[moves.source[model.reward[moves.outcome] != 0.0]] = True
@@ -228,7 +213,7 @@ class PolicyChain:
         return v
 
     def _find_endings(self) -> tuple[BoolArray, BoolArray]:
-        """Return the states, [S+1], that may end, and those that may never end."""
+        # States, [S+1], that may end, and that may never end
         if self._endings is None:
             is_end = np.arange(self._model.end + 1) == self._model.end
             can_end = self._may_come_to(is_end)
@@ -236,7 +221,6 @@ class PolicyChain:
         return self._endings
 
     def _may_come_to(self, goals: BoolArray) -> BoolArray:
-        """Return the states that can reach one of `goals`, including the goals, [S+1] both."""
         if self._ways is None:
             self._ways = Ways(self._moves.source, self._moves.target, self._model.end + 1)
         return self._ways.leading_to(np.flatnonzero(goals))
@@ -254,12 +238,12 @@ class PolicyChain:
 
 
 def always_ends(mdp: TabularMDP, policy: FloatArray) -> bool:
-    """Return True if `policy`, [P], ends every episode with probability 1, given enough time."""
+    """Return True if `policy`, [P], ends every episode with probability 1."""
     return PolicyChain(exact_model(mdp), policy).always_ends()
 
 
 def _chain_solver(moves: _Moves, gamma: float, unknown: BoolArray) -> Solver:
-    """Return the solver of I − γ P under `moves`, restricted to the `unknown` states, [S+1]."""
+    # Solves I − γ P in the `unknown` states, [S+1]
     index = np.cumsum(unknown) - 1
     size = int(index[-1]) + 1
     source, target, weight = moves.source, moves.target, moves.weight.astype(np.float64)
@@ -269,13 +253,31 @@ def _chain_solver(moves: _Moves, gamma: float, unknown: BoolArray) -> Solver:
     # summing what leaves keeps the digits that 1 − γ p(s | s) would lose
     left = np.bincount(index[source[leaving]], weights=weight[leaving], minlength=size)
     diagonal = np.arange(size)
-    solver_of = _dense if size <= MOST_DENSE else _sparse
+    solver_of = _dense if size <= MOST_DENSE or not may_be_sparse(size) else _sparse
     return solver_of(
         np.concatenate((rows, diagonal)),
         np.concatenate((columns, diagonal)),
         np.concatenate((-gamma * weight[staying_inside], (1.0 - gamma) + gamma * left)),
         size,
     )
+
+
+def why_unsolved(states: int) -> str:
+    """Return which package exact values need here, as a sentence, or ""."""
+    if states <= MOST_WITHOUT_SCIPY or is_installed("scipy"):
+        return ""
+    return f"exact values of more than {MOST_WITHOUT_SCIPY:,} states need SciPy: pip install scipy"
+
+
+def may_be_sparse(states: int) -> bool:
+    """Return True if SciPy can solve a system of this size, False if NumPy must.
+
+    Raises:
+        NoExactAnswer: SciPy is missing and NumPy would be too slow.
+    """
+    if why := why_unsolved(states):
+        raise NoExactAnswer(why)
+    return is_installed("scipy")
 
 
 def _too_ill_conditioned(gamma: float) -> NoExactAnswer:
@@ -285,11 +287,7 @@ def _too_ill_conditioned(gamma: float) -> NoExactAnswer:
 
 
 def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
-    """Return b → A⁻¹ b for the matrix A, [size, size]. Entries at the same place are summed.
-
-    Raises:
-        SingularMatrixError: A has no inverse.
-    """
+    # b → A⁻¹ b. Entries of A at the same place are summed
     matrix = np.bincount(rows * size + columns, weights=entries, minlength=size * size).reshape(size, size)
     try:
         inverse: FloatArray = np.linalg.inv(matrix)
@@ -299,14 +297,12 @@ def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) ->
 
 
 def _sparse(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
-    """Return the same as :func:`_dense`, with a sparse matrix."""
     # scipy takes 0.25 s to import, and most worlds never need it
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu
 
     try:
-        # columns of a chain have little in common; one at a time takes two thirds of the time (measured with
-        # 8,000 states)
+        # columns of a chain have little in common; one at a time takes two thirds of the time
         factors = splu(csc_matrix((entries, (rows, columns)), shape=(size, size)), relax=1, panel_size=1)
     except RuntimeError as fault:
         raise SingularMatrixError from fault

@@ -1,7 +1,4 @@
-"""Exact metrics of a policy, such as its return and the length of its episodes.
-
-A policy is an array, [P]: the probability of each state–action pair, with sum 1 in every state.
-"""
+"""Exact metrics of a policy: an array, [P], of probabilities with sum 1 in every state."""
 
 from __future__ import annotations
 
@@ -23,6 +20,7 @@ from rl_tui.agents.exact.small_worlds.many_policies import (
     values_of,
 )
 from rl_tui.agents.hyperparameters import Ties
+from rl_tui.common.packages import is_installed
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -37,26 +35,13 @@ Step = Callable[[FloatArray], FloatArray]
 
 
 class _Entries(NamedTuple):
-    """Entries of a step matrix: the chance to go from `source` to `target`, [n] each."""
-
     source: IntArray
     target: IntArray
     chance: FloatArray
 
 
 def expected_visits(mdp: TabularMDP, policy: FloatArray, steps: int) -> FloatArray:
-    """Compute how often each state is visited in the first steps, on average.
-
-    Weighted with these counts, any per-state number gives its expected sum over an episode.
-
-    Args:
-        mdp: The world.
-        policy: Probability of each pair, [P], followed from the start distribution.
-        steps: Number of steps.
-
-    Returns:
-        Expected visits, [S].
-    """
+    """Compute the expected visits to each state, [S], in `steps` steps of `policy`, [P]."""
     now = np.zeros(mdp.states)
     np.add.at(now, mdp.start_state, mdp.start_probability)
     entries = _entries(mdp, policy)
@@ -80,7 +65,7 @@ def _one_by_one(step: Step, now: FloatArray, steps: int) -> FloatArray:
 
 
 def _by_doubling(matrix: FloatArray, now: FloatArray, steps: int) -> FloatArray:
-    """Return (1 + M + M² + …) x with this many terms, by doubling: (1 + M) x, then steps of M²."""
+    # (1 + M + M² + …) x with this many terms
     visits = np.zeros_like(now)
     while steps:
         if steps % 2:
@@ -106,6 +91,10 @@ def _dense(entries: _Entries, size: int) -> FloatArray:
 
 
 def _sparse(entries: _Entries, size: int) -> Step:
+    if not is_installed("scipy"):
+        return lambda now: np.bincount(
+            entries.target, weights=entries.chance * now[entries.source], minlength=size
+        ).astype(np.float64, copy=False)
     # scipy takes 0.25 s to import, and most worlds never need it
     from scipy.sparse import csr_matrix
 
@@ -128,74 +117,35 @@ def uniform_policy(space: FiniteSpace) -> FloatArray:
 
 
 def uniform_over(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
-    """Return the policy that takes the `chosen` pairs of each state equally.
-
-    Args:
-        space: States and actions.
-        chosen: Truth values, [P] or [B, P], at least one in each live state.
-
-    Returns:
-        Probabilities of the same shape.
-    """
+    """Take the `chosen` pairs, at least one in each live state, equally, [P] or [B, P]."""
     first, count = _live_states(space)
     share = 1.0 / np.add.reduceat(chosen, first, axis=-1, dtype=np.float64)
     return np.where(chosen, np.repeat(share, count, axis=-1), 0.0)
 
 
 def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
-    """Return the greedy policy for estimates.
+    """Return the greedy policy for estimates, both [P] or [B, P].
 
-    Args:
-        space: States and actions.
-        q: Estimates, [P] or [B, P].
-        ties: ``random`` shares ties evenly, ``first`` takes the first action. Only equal floats tie.
-
-    Returns:
-        Probabilities of the same shape.
+    Ties are shared evenly (``random``) or take the ``first`` action. Only equal floats tie.
     """
     tied = best_pairs(space, q)
     return uniform_over(space, tied) if ties == "random" else _first_of(space, tied)
 
 
 def best_pairs(space: FiniteSpace, of_pairs: FloatArray, slack: float = 0.0) -> BoolArray:
-    """Return all pairs with the greatest number in their state.
-
-    Args:
-        space: States and actions.
-        of_pairs: Numbers, [P] or [B, P].
-        slack: Tolerance, 0 or more.
-
-    Returns:
-        Truth values of the same shape.
-    """
+    """Return the pairs within `slack` of the best of their state, [P] or [B, P]."""
     first, count = _live_states(space)
     greatest = np.maximum.reduceat(of_pairs, first, axis=-1)
     return np.asarray(of_pairs >= np.repeat(greatest, count, axis=-1) - slack)
 
 
 def softened(space: FiniteSpace, policy: FloatArray, epsilon: float) -> FloatArray:
-    """Mix a policy with random actions (equation 2.2, ε-soft policies of section 5.4).
-
-    Args:
-        space: States and actions.
-        policy: Probability of each pair, [P].
-        epsilon: Probability of a random action, 0 to 1. It may be the policy's own.
-
-    Returns:
-        Probabilities, [P].
-    """
+    """Mix `policy`, [P], with random actions (equation 2.2, ε-soft policies of section 5.4)."""
     return (1.0 - epsilon) * policy + epsilon * uniform_policy(space)
 
 
 def policy_of_choices(space: FiniteSpace, choices: Mapping[int, Choice]) -> FloatArray:
-    """Build a policy from the choice in each state.
-
-    Args:
-        space: States and actions.
-        choices: A pair, or the probability of several, by state. Other states act randomly.
-
-    Returns:
-        Probabilities, [P], scaled to sum to exactly 1.
+    """Build a policy, [P], from choices: a pair, or probabilities. Other states act randomly.
 
     Raises:
         ValueError: A pair belongs to another state, or probabilities are negative or do not sum to 1 (±1e-9).
@@ -221,7 +171,7 @@ def _first_of(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
 
 
 def _live_states(space: FiniteSpace) -> tuple[IntArray, IntArray]:
-    """Return the first pair and the number of pairs of every state with pairs."""
+    # First pair and number of pairs of every state with pairs
     count = np.diff(space.first_pair)
     live = count > 0
     return space.first_pair[:-1][live], count[live]
@@ -235,18 +185,16 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolicyFigures:
-    """Exact figures of a policy.
+    """Exact numbers of a policy. None also means that rounding would spoil the number.
 
-    An endless part without rewards adds 0. With rewards, the value (at γ = 1) and the return are None. None
-    also means that rounding would spoil the number.
+    An endless part adds 0 without rewards. With rewards, the value (at γ = 1) and the return are None.
 
     Args:
-        v: Discounted value of each state over an unlimited horizon, [S]; NaN if it does not exist (γ = 1
-            only).
-        value_at_start: Mean of `v` at the start.
-        expected_return: Undiscounted return of an episode within the time limit.
-        steps: Expected length of an episode. None if, without a time limit, it may never end.
-        ends: Probability that an episode ends, 0 to 1.
+        v: Discounted values over an unlimited horizon, [S]; NaN if missing (γ = 1 only).
+        value_at_start: Mean of `v`.
+        expected_return: Undiscounted return within the time limit.
+        steps: Expected length of an episode, or None if it may never end.
+        ends: Probability that an episode ends.
     """
 
     v: FloatArray | None
@@ -263,12 +211,9 @@ class _Episode(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BatchFigures:
-    """Figures of B greedy policies, [B] each, with NaN for missing numbers.
+    """Numbers of B greedy policies, [B], as in :class:`PolicyFigures` with NaN for None.
 
-    Args:
-        value_at_start: As in :class:`PolicyFigures`.
-        expected_return: As in :class:`PolicyFigures`.
-        max_error: Largest difference between estimates and Q*.
+    The largest difference between estimates and Q* is `max_error`.
     """
 
     value_at_start: FloatArray
@@ -277,15 +222,9 @@ class BatchFigures:
 
 
 def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
-    """Compute the exact figures of a policy.
-
-    Args:
-        mdp: The world.
-        policy: Probability of each pair, [P].
-        gamma: Discount, 0 to 1.
-    """
+    """Compute the exact numbers of `policy`, [P]."""
     alone = policy[np.newaxis]
-    chain_of = cache(_chains(mdp, alone))  # figures share searches and factorizations
+    chain_of = cache(_chains(mdp, alone))  # searches and factorizations are shared
     values, returns = _values_and_returns(mdp, alone, gamma, chain_of)
     steps, ends = _within_limit(mdp, policy) if mdp.time_limit else _unlimited(chain_of(0))
     return PolicyFigures(
@@ -296,16 +235,9 @@ def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
 def batch_figures(
     mdp: TabularMDP, q: FloatArray, ties: Ties, gamma: float, optimum: Solution | None
 ) -> BatchFigures:
-    """Compute the figures of the greedy policies of B runs.
+    """Compute the numbers of the greedy policies of B runs, from estimates `q`, [B, P].
 
-    Each equals the result of :func:`figures`, bit for bit. Equal policies are evaluated once.
-
-    Args:
-        mdp: The world.
-        q: Estimates, [B, P].
-        ties: How ties are broken.
-        gamma: Discount, 0 to 1.
-        optimum: Exact solution for `gamma`, or None.
+    Each equals :func:`figures`, bit for bit. Equal policies are evaluated once.
     """
     distinct, place = distinct_policies(greedy_policy(mdp, q, ties))
     values, returns = _values_and_returns(mdp, distinct, gamma, _chains(mdp, distinct))
@@ -314,45 +246,22 @@ def batch_figures(
 
 
 def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
-    """Compute the expected undiscounted return of a policy within the time limit.
+    """Compute the expected undiscounted return of `policy`, [P], within the time limit.
 
-    Small worlds use machine code and are fast enough for every frame of a run.
-
-    Args:
-        mdp: The world.
-        policy: Probability of each pair, [P].
-
-    Returns:
-        The return. None if, without a time limit, the policy may collect rewards forever, or if rounding
-        would spoil it.
+    None if it may collect rewards forever, or if rounding would spoil it. Small worlds use machine code, fast
+    enough for every frame.
     """
     return _if_there(expected_returns(mdp, policy[np.newaxis]))
 
 
 def expected_returns(mdp: TabularMDP, policies: FloatArray) -> FloatArray:
-    """Compute :func:`expected_return` for many policies. Equal policies are evaluated once.
-
-    Args:
-        mdp: The world.
-        policies: Probabilities, [B, P].
-
-    Returns:
-        Returns, [B], with NaN instead of None.
-    """
+    """Compute :func:`expected_return`, [B], of `policies`, [B, P], with NaN for None."""
     distinct, place = distinct_policies(policies)
     return returns_of(mdp, distinct, _chains(mdp, distinct))[place]
 
 
 def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
-    """Compute the probability that an episode ends, within the time limit if there is one.
-
-    Args:
-        mdp: The world.
-        policy: Probability of each pair, [P].
-
-    Returns:
-        The probability, or None if rounding would spoil it.
-    """
+    """Compute the probability that an episode ends in time, or None if rounding spoils it."""
     if mdp.time_limit:
         return _within_limit(mdp, policy).ends
     return _if_exact(PolicyChain(exact_model(mdp), policy).chance_of_ending)
@@ -361,7 +270,6 @@ def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
 def _values_and_returns(
     mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf
 ) -> tuple[ValuesOfPolicies, FloatArray]:
-    """Return the values of `policies`, [B, P], and their undiscounted returns, [B]."""
     values = values_of(mdp, policies, gamma, chain_of)
     if gamma == 1.0 and not mdp.time_limit:
         return values, values.at_start
@@ -386,7 +294,6 @@ def _unlimited(chain: PolicyChain) -> _Episode:
 
 
 def _if_there(figure: FloatArray) -> float | None:
-    """Return the single number in `figure`, [1], or None for NaN."""
     number = float(figure[0])
     return None if np.isnan(number) else number
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.agents.exact.backward_induction import best_values, model_of
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray
-from rl_tui.agents.exact.policy_evaluation import MOST_DENSE, NoExactAnswer, PolicyChain
+from rl_tui.agents.exact.policy_evaluation import MOST_DENSE, NoExactAnswer, PolicyChain, may_be_sparse
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 SMALLEST_GAIN: Final = 1e-12
@@ -26,8 +26,7 @@ MOST_NAMES: Final = 6
 class Optimum:
     """Optimal values `v`, [S+1], and advantages q − v, [P].
 
-    `policy`, [N] pairs, is the final policy; at γ = 1 it ends with probability 1. `iterations` counts
-    evaluations.
+    `policy`, [N] pairs, is the final one; at γ = 1 it ends with probability 1.
     """
 
     v: ExtendedArray
@@ -41,15 +40,9 @@ def policy_iteration(
 ) -> Optimum:
     """Compute the best values over an unlimited horizon.
 
-    At γ = 1 they are the best over all policies that end with probability 1, and the search starts from such
-    a policy.
-
-    Args:
-        model: The world.
-        gamma: Discount, 0 to 1.
-        start: First policy at γ = 1, [N] pairs, used if it ends. It only saves time.
-        near: Values near the best, [S], for γ below 1. They save time and may change the last digit by
-            rounding.
+    At γ = 1 they are the best over all policies that end with probability 1. The search then starts from
+    `start`, [N] pairs, if it ends. For γ below 1, values `near` the best, [S], save time and may change the
+    last digit.
 
     Raises:
         NoExactAnswer: At γ = 1 a state cannot reach an end, or a loop gains forever.
@@ -76,13 +69,12 @@ def policy_iteration(
 
 
 def _least_gain(v: ExtendedArray, gamma: float, error: float) -> float:
-    """Return the gain that exceeds rounding and justifies another action."""
     noise = NOISE * float(np.abs(v).max())
     return max(SMALLEST_GAIN, noise, 4 * error) if gamma == 1.0 else max(SMALLEST_GAIN * (1 - gamma), noise)
 
 
 def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, least_gain: float) -> IntArray:
-    """Return the greedy policy, [N] pairs, but keep actions with a gain up to the least one."""
+    # Actions with a gain up to the least one are kept
     highest = model.best(advantage)
     best = np.flatnonzero(advantage == np.repeat(highest, model.pairs_each))
     first = np.flatnonzero(np.diff(model.pair_state[best], prepend=-1))
@@ -90,9 +82,9 @@ def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, lea
 
 
 def _far_sighted(model: ExactModel, gamma: float, near: FloatArray | None) -> IntArray:
-    """Return the greedy policy, [N], for a long finite horizon, as a good start."""
+    # Greedy for a long finite horizon
     mdp = model.mdp
-    if mdp.states <= MOST_DENSE:
+    if mdp.states <= MOST_DENSE or not may_be_sparse(mdp.states):
         v = best_values(mdp, gamma, min(mdp.states, LONGEST_WARM_UP))
     else:
         v = _swept(model, gamma, near)
@@ -101,10 +93,7 @@ def _far_sighted(model: ExactModel, gamma: float, near: FloatArray | None) -> In
 
 
 def _swept(model: ExactModel, gamma: float, near: FloatArray | None) -> FloatArray:
-    """Return values, [S], after sweeps of value iteration until changes are negligible.
-
-    They start at `near`. Without it, or if it converges too slowly, they start at 0.
-    """
+    # Until changes are negligible
     from scipy.sparse import csr_array
 
     mdp = model.mdp
@@ -136,7 +125,7 @@ def _swept(model: ExactModel, gamma: float, near: FloatArray | None) -> FloatArr
 
 
 def _way_out(model: ExactModel) -> IntArray:
-    """Return a policy, [N], that surely ends: it takes the actions most likely to approach an end."""
+    # The actions most likely to approach an end, so that every episode ends
     steps = model.steps_to([model.end], np.ones(model.mdp.pairs, dtype=np.bool_))
     lost = model.live[steps[model.live] < 0]
     if len(lost):
@@ -148,16 +137,12 @@ def _way_out(model: ExactModel) -> IntArray:
 
 
 def _check_that_it_ends(model: ExactModel, policy: IntArray) -> None:
-    """Raise NoExactAnswer if the improvement of an ending policy may never end.
-
-    Its loop then contains a changed action, so the mean reward per step, the mean gain of its states, is
-    above 0.
-    """
+    # Improving an ending policy never ends if a loop gains on average
     usable = _probabilities(model, policy) > 0.0
     endless = model.endless(usable)
     if len(endless):
         loop = _names(model, _loop_from(model, usable, int(endless[0])))
-        raise NoExactAnswer(f"γ = 1: the loop through {loop} gains for ever; choose γ below 1")
+        raise NoExactAnswer(f"γ = 1: the loop through {loop} earns without end; choose γ below 1")
 
 
 def _names(model: ExactModel, states: IntArray) -> str:
@@ -168,7 +153,7 @@ def _names(model: ExactModel, states: IntArray) -> str:
 
 
 def _loop_from(model: ExactModel, usable: BoolArray, state: int) -> IntArray:
-    """Return the states of a loop that `usable` pairs, [P], reach from `state` and never leave."""
+    # A loop from `state` that `usable` pairs, [P], never leave
     used = usable[model.outcome_pair]
     source, target = model.pair_state[model.outcome_pair][used], model.landing[used]
     while True:

@@ -1,9 +1,6 @@
 """The values of a policy as functions of γ: quotients of two polynomials.
 
-V = Σ γᵏ PᵏR, so each value is a power series in γ. Its coefficients follow a linear recurrence, as PᵏR does
-(Cayley–Hamilton theorem). Such a series is a quotient N(γ) / D(γ), and the recurrence gives D. It is found
-modulo many primes, with small numbers, and then reconstructed in integers. Finally, (I − γP) N = D R is
-checked in integers: an unlucky prime costs another attempt, never a wrong answer.
+The result is checked in integers, so an unlucky prime costs another attempt, never a wrong answer.
 """
 
 from __future__ import annotations
@@ -36,8 +33,8 @@ class RationalPair:
     Args:
         state: Index of its live state.
         scale: Common denominator. The rest of it ends the episode.
-        reward: `scale` times the expected reward, in the model's unit.
-        moves: (live state, weight) with the probability weight / `scale`.
+        reward: Expected reward · `scale`, in the model's unit.
+        moves: (live state, probability · `scale`).
     """
 
     state: int
@@ -51,9 +48,9 @@ class RationalModel:
     """An MDP of N live states in integers.
 
     Args:
-        live: States with pairs, [N].
-        pairs: Pairs in the order of the MDP, [P]. Rewards use a positive unit that makes them integers.
-        pairs_of: Range of the pairs of each live state, [N].
+        live: [N].
+        pairs: In the order of the MDP, [P]. The unit of rewards makes them integers.
+        pairs_of: Pairs of each live state, [N].
     """
 
     live: tuple[int, ...]
@@ -64,8 +61,8 @@ class RationalModel:
 def rational_model(mdp: TabularMDP) -> RationalModel:
     """Convert `mdp` to integers.
 
-    Probabilities and rewards become the nearest fractions with denominators up to 10⁶. Then the probabilities
-    of each pair are scaled to sum to exactly 1.
+    Probabilities and rewards become the nearest fractions with denominators up to 10⁶, and probabilities are
+    scaled to sum to 1.
 
     Raises:
         NoExactAnswer: A non-zero number would become 0.
@@ -97,14 +94,14 @@ def _read(value: float) -> Fraction:
     read = Fraction(value).limit_denominator(LARGEST_DENOMINATOR)
     if value and not read:
         raise NoExactAnswer(
-            f"flip points need fractions with denominators up to {LARGEST_DENOMINATOR:,}, and {value:g} is "
-            "too small for that"
+            f"flip points: {value:g} is too small for a fraction with a denominator up to "
+            f"{LARGEST_DENOMINATOR:,}"
         )
     return read
 
 
 def _pair(state: int, outcomes: list[tuple[Fraction, int, int | None]]) -> RationalPair:
-    """Return the pair of `state` from its outcomes: chance, reward, next live state."""
+    # Outcomes are chance, reward and next live state
     denominator = math.lcm(*(chance.denominator for chance, _, _ in outcomes))
     weights = [int(chance * denominator) for chance, _, _ in outcomes]
     common = math.gcd(*weights)
@@ -129,28 +126,22 @@ WITNESSES: Final = (2, 3, 5, 7)
 
 
 def primes() -> Iterator[int]:
-    """Yield the primes between 2²⁹ and 2³⁰, largest first. There are far more than needed."""
+    """Yield the primes between 2²⁹ and 2³⁰, largest first."""
     return (number for number in range(2**BITS - 1, 2 ** (BITS - 1), -2) if _is_prime(number))
 
 
 def column(moduli: Sequence[int], dimensions: int) -> IntArray:
-    """Return K moduli as an array [K, 1, …] with this number of dimensions."""
+    """Return K moduli as an array [K, 1, …]."""
     shaped: IntArray = np.array(moduli, dtype=np.int64).reshape(-1, *[1] * (dimensions - 1))
     return shaped
 
 
 def shortest_recurrence(terms: IntArray, moduli: Sequence[int]) -> IntArray | None:
-    """Return the shortest linear recurrence of sequences modulo primes (Berlekamp–Massey algorithm).
+    """Return the shortest linear recurrence modulo K primes (Berlekamp–Massey algorithm).
 
-    Modulo each prime c[0] is 1, and c[0]·t[k] + c[1]·t[k−1] + … + c[L]·t[k−L] is 0 for all k ≥ L. A
-    recurrence of length N needs 2N terms.
-
-    Args:
-        terms: Sequence for each prime, [K, T].
-        moduli: The K primes.
-
-    Returns:
-        Coefficients c, [K, L + 1], or None in the rare case that the primes need different steps.
+    Modulo each prime c[0] is 1, and c[0]·t[k] + c[1]·t[k−1] + … + c[L]·t[k−L] is 0 for all k ≥ L. Length N
+    needs 2N `terms`, [K, 2N]. Returns c, [K, L + 1], or None in the rare case that the primes differ in their
+    steps.
     """
     modulus = column(moduli, 2)
     current, earlier = np.zeros((2, len(moduli), terms.shape[1] + 2), dtype=np.int64)
@@ -176,12 +167,7 @@ def shortest_recurrence(terms: IntArray, moduli: Sequence[int]) -> IntArray | No
 
 
 def whole_numbers(residues: IntArray, moduli: Sequence[int]) -> WholeArray:
-    """Return the integers nearest to 0 with these residues (mixed radix, after Garner).
-
-    Args:
-        residues: Residues, [K, …].
-        moduli: The K primes.
-    """
+    """Return the integers nearest to 0 with these `residues`, [K, …] (mixed radix, after Garner)."""
     digits: list[IntArray] = []
     for number, prime in enumerate(moduli):
         rest = residues[number].copy()
@@ -199,7 +185,7 @@ def whole_numbers(residues: IntArray, moduli: Sequence[int]) -> WholeArray:
 
 
 def _is_prime(number: int) -> bool:
-    """Return True if `number`, odd and below 2³⁰, is prime (Miller–Rabin test)."""
+    # Miller–Rabin test, for odd numbers below 2³⁰
     odd, halvings = number - 1, 0
     while odd % 2 == 0:
         odd, halvings = odd // 2, halvings + 1
@@ -247,7 +233,7 @@ class PolicyValues:
 
 @dataclass(frozen=True, slots=True)
 class ValuesAt:
-    """Values of a policy at one γ: ``numerators[n]`` / `denominator` for live state n."""
+    """Values at one γ: ``numerators[n]`` / `denominator` for live state n."""
 
     gamma: Fraction
     denominator: int
@@ -263,14 +249,12 @@ class ValuesAt:
 def policy_values(model: RationalModel, policy: Sequence[int]) -> PolicyValues:
     """Compute the values of `policy`, [N] pairs, as functions of γ.
 
-    With the transitions P and the rewards R of the policy, V = R + γ P R + γ² P² R + … (equation 3.14). The
-    vectors Pᵏ R follow a linear recurrence. Its coefficients form the denominator D, and N = D · V stops
-    before the power equal to the length of the recurrence. D divides det(I − γ P), whose roots are 1/λ for
-    the eigenvalues λ of P, none inside (−1, 1).
+    V = R + γ P R + γ² P² R + … (equation 3.14). The vectors Pᵏ R follow a linear recurrence (Cayley–Hamilton
+    theorem), which gives the denominator D, and N = D · V. D divides det(I − γ P), which has no root inside
+    (−1, 1).
 
-    The recurrence is found modulo some primes from the numbers u · Pᵏ R, for a random u, and reconstructed.
-    Then (I − γ P) N = D · R is checked in integers. The result is not longer than the true recurrence. So D
-    has no extra factor that could be 0 or negative.
+    The recurrence is found modulo primes from u · Pᵏ R, for a random u. It is not longer than the true one,
+    so D has no extra factor. Finally (I − γ P) N = D · R is checked in integers.
     """
     pairs = [model.pairs[number] for number in policy]
     for attempt in count():
@@ -281,7 +265,7 @@ def policy_values(model: RationalModel, policy: Sequence[int]) -> PolicyValues:
 
 
 def _pieced_together(pairs: Sequence[RationalPair], attempt: int) -> PolicyValues | None:
-    """Return the probable values of the policy that takes `pairs`, or None on a rare failure."""
+    # None on a rare failure
     scale = math.prod(pair.scale for pair in pairs)
     # D is an integer polynomial if D(0) is the product of all scales, and so is N; |λ| ≤ 1 and |Pᵏ R| ≤ |R|
     bound = 2 * scale * 2 ** len(pairs) * max(1, *(abs(pair.reward) for pair in pairs))
@@ -299,7 +283,7 @@ def _pieced_together(pairs: Sequence[RationalPair], attempt: int) -> PolicyValue
 
 
 def _primes_for(pairs: Sequence[RationalPair], bound: int, skipped: int) -> list[int]:
-    """Return new primes with a product above `bound` that divide no scale."""
+    # With a product above `bound`, dividing no scale
     wanted = bound.bit_length() // (BITS - 1) + 1
     scales = {pair.scale for pair in pairs}
     usable = (prime for prime in primes() if all(scale % prime for scale in scales))
@@ -313,7 +297,7 @@ def _primes_for(pairs: Sequence[RationalPair], bound: int, skipped: int) -> list
 
 
 def _krylov(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> IntArray:
-    """Return Pᵏ R modulo each prime for k below 2N, [K, 2N, N]."""
+    # Pᵏ R modulo each prime for k below 2N, [K, 2N, N]
     count_ = len(pairs)
     moves = [pair.moves or ((count_, 0),) for pair in pairs]  # an extra state of value 0
     first = np.cumsum([0, *map(len, moves)])[:-1]
@@ -341,12 +325,12 @@ def _krylov(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> IntArray:
 
 
 def _inverses(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> list[tuple[int, list[int]]]:
-    """Return each prime with the inverses of the scales, [N]."""
+    # Each prime, with the inverses of the scales, [N]
     return [(prime, [pow(pair.scale, -1, prime) for pair in pairs]) for prime in moduli]
 
 
 def _truncated_product(recurrence: IntArray, krylov: IntArray, moduli: Sequence[int]) -> IntArray:
-    """Return the numerators modulo each prime, [K, L + 1, N]. The last coefficients are 0."""
+    # Modulo each prime, [K, L + 1, N]
     length = recurrence.shape[1] - 1
     result = np.zeros((len(moduli), length + 1, krylov.shape[2]), dtype=np.int64)
     modulus = column(moduli, 3)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 
 import click
 
 from rl_tui.commands.line.output import complain
+from rl_tui.common.findings import command_line
 from rl_tui.programs.own_agents.binding import Style
 
 
@@ -33,7 +33,7 @@ def new(file: str, style: str) -> None:
     from rl_tui.programs.own_agents.binding import write_skeleton
 
     write_skeleton(Path(file), Style(style))
-    name = shlex.quote(file)
+    name = command_line([file])
     complain(f"{file} is written; now add the missing line, the update")
     click.echo(f"rl-tui play frozenlake --agent {name}")
     click.echo(f"rl-tui grade {name} --scenario frozenlake")

@@ -1,4 +1,4 @@
-"""``rl-tui bench``: steps per second on this machine, compared with the plain Gymnasium loop."""
+"""``rl-tui bench``: steps per second, compared with the plain Gymnasium loop."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import click
 
 from rl_tui.commands.line.output import columns, print_json
 from rl_tui.commands.options.run import (
+    SCENARIO,
     SectionedCommand,
     Whole,
     allow_module_option,
@@ -16,9 +17,11 @@ from rl_tui.commands.options.run import (
 
 
 @click.command("bench", cls=SectionedCommand)
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", default="frozenlake-slippery")
+@click.argument(
+    "scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", default="frozenlake-slippery", type=SCENARIO
+)
 @click.option(
-    "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="how often each loop is timed"
+    "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="number of timings per loop"
 )
 @allow_module_option
 @run_options
@@ -27,8 +30,8 @@ from rl_tui.commands.options.run import (
 def command(scenario: str, rounds: int, overrides: dict[str, object], seed: int, as_json: bool) -> None:
     """Compare the speed of this program with a plain Gymnasium loop.
 
-    Both run by turns in one process. The plain loop runs twice: with argmax, which takes the first of equal
-    values, and with a random choice among them, as this program does.
+    They take turns in one process. The plain loop runs twice: with argmax, which takes the first of equal
+    values, and with a random choice among equal values, as in this program.
     """
     from rl_tui.runs.library import recipe_named
     from rl_tui.runs.training.benchmark import benchmark

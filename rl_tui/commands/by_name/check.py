@@ -7,11 +7,11 @@ from dataclasses import replace
 import click
 
 from rl_tui.commands.line.output import print_json
-from rl_tui.commands.options.run import allow_module_option, json_option, seed_option
+from rl_tui.commands.options.run import FILE, allow_module_option, json_option, seed_option
 
 
 @click.command("check")
-@click.argument("files", metavar="FILE.toml ...", nargs=-1, required=True)
+@click.argument("files", metavar="FILE.toml ...", nargs=-1, required=True, type=FILE)
 @click.option("--quick", is_flag=True, help="skip checks of lessons that need many seeds")
 @click.option("--deep", is_flag=True, help="exact facts about one scenario, given by file or id")
 @seed_option
@@ -23,14 +23,14 @@ def command(
 ) -> None:
     """Report every error in scenario files and lesson files.
 
-    Each error is one line on stderr, with its place in the file; list items count from 0. Lessons are worked
-    through: each number is recomputed, and each task must accept and reject its own examples. Files without
-    errors are named on stdout, even with warnings on stderr.
+    Each error is one line on stderr, with its place in the file. Lists count from 0. Each number of a lesson
+    is recomputed, and each task must accept its right examples and reject its wrong ones. Files without
+    errors are listed on stdout, even if they have warnings on stderr.
 
     With --deep you get exact facts about one scenario: the returns of the random and the optimal policy, the
     shortest path, how long nothing is learned, the γ at which optimal actions change, and unreachable states.
-    Short trainings of each algorithm show greedy policies that may never end. --seed matters if the world is
-    random. --json prints all of this as one document.
+    Short training runs show algorithms whose greedy policy may never end. --seed matters if the world is
+    random. --json prints all facts as one document.
     """
     if deep:
         if len(files) != 1:
@@ -59,7 +59,7 @@ def command(
 
 
 def _deep(name: str, seed: int, *, as_json: bool) -> bool:
-    """Print the deep check of one scenario and return True if the file has errors."""
+    # Returns True if the file has errors
     from rl_tui.agents.catalogue import BY_ID
     from rl_tui.commands.line.output import progress
     from rl_tui.commands.reports.flip_points import check_document, check_report
@@ -96,7 +96,6 @@ def _deep(name: str, seed: int, *, as_json: bool) -> bool:
 
 
 def _scenario(file: str) -> tuple[list[str], list[str]]:
-    """Return the errors and the warnings of a scenario file."""
     from rl_tui.runs.library import checked
     from rl_tui.runs.training.endless import endless_warning
 
@@ -106,7 +105,6 @@ def _scenario(file: str) -> tuple[list[str], list[str]]:
 
 
 def _lesson(file: str, *, quick: bool) -> tuple[list[str], list[str]]:
-    """Return the errors and the warnings of a lesson file."""
     from rl_tui.commands.line.output import progress
     from rl_tui.lessons.check import check_lesson
 

@@ -47,7 +47,7 @@ _FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
     type=ParameterValue(PARAMETERS["epsilon"]),
     default=0.0,
     show_default=True,
-    help="with this probability, take a random action in place of the policy's",
+    help="probability that a random action replaces the policy's",
 )
 @parameter_option("gamma", "  [default: the scenario's]")
 @algorithm_option("trained_by", _FOR_GREEDY)
@@ -74,8 +74,8 @@ def command(
     """Print the exact value of a policy in each state, and how long its episodes last.
 
     If several actions are optimal, the optimal policy takes each equally often. In states that a policy file
-    does not mention, actions are random. An agent is trained with the scenario's ε; --epsilon applies to its
-    policy afterwards. An example:
+    does not mention, actions are random. An agent is trained with the scenario's ε. --epsilon applies only
+    after training. An example:
 
     rl-tui evaluate cliff --policy optimal --epsilon 0.1
     """
@@ -114,15 +114,6 @@ def command(
 
 
 def _check(name: str, training: Mapping[str, object]) -> None:
-    """Refuse unknown policy names, and training options that do not apply.
-
-    Args:
-        name: Value of ``--policy``.
-        training: Training options that were given, by name.
-
-    Raises:
-        click.UsageError: The combination makes no sense.
-    """
     context = click.get_current_context()
     if name not in WORDS and not name.endswith(SUFFIX) and not os.path.exists(name):
         said = f"--policy is {shown(name)}; expected {CHOICES}{near(name, WORDS)}"

@@ -10,6 +10,7 @@ from rl_tui.commands.line.screen import enter_kiosk, kiosk_option
 from rl_tui.commands.options.agent import agent_option, request_of
 from rl_tui.commands.options.display import big_option, display_of, display_options, panels_option
 from rl_tui.commands.options.run import (
+    SCENARIO,
     SectionedCommand,
     allow_module_option,
     run_options,
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
 
 
 @click.command("play", cls=SectionedCommand)
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]", required=False)
+@click.argument(
+    "scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]", required=False, type=SCENARIO
+)
 @kiosk_option
 @allow_module_option
 @run_options

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rl_tui.commands.line.output import print_json, progress
+from rl_tui.commands.line.output import print_json, progress, write_text
+from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.picture import size_option
 from rl_tui.commands.options.run import (
     CsvTarget,
     Whole,
@@ -17,6 +19,7 @@ from rl_tui.commands.options.run import (
     csv_option,
     is_stdout,
     json_option,
+    target_option,
 )
 
 if TYPE_CHECKING:
@@ -34,32 +37,52 @@ if TYPE_CHECKING:
     "--branch", metavar="NAME", help="name of the branch, if there are several  [default: the current branch]"
 )
 @csv_option
+@target_option("--out", "a recording of the screen from step 0 on, as .cast for asciinema")
+@size_option
+@display_options
 @allow_module_option
 @json_option
-def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget, as_json: bool) -> None:
+def command(
+    session: Path,
+    lane: int | None,
+    branch: str | None,
+    csv: CsvTarget,
+    out: CsvTarget,
+    size: tuple[int, int],
+    as_json: bool,
+    **display: Any,
+) -> None:
     """Run a session again, to its last step.
 
-    A session is a file that m s saves on screen, or that was saved automatically. It prints the result, which
-    equals the first run's to the last bit.
+    A session is a file that you saved (m s on screen), or that was saved automatically. The result equals the
+    first one, to the last bit. --out also records the screen.
     """
-    check_targets({"--csv": csv}, as_json)
+    check_targets({"--csv": csv, "--out": out}, as_json)
     from rl_tui.live.sessions.replay import comes_out_otherwise, replay_figures, replay_target
     from rl_tui.live.sessions.session import OTHER_BITS, SessionError, read_session
 
     stored = read_session(session)
-    if isinstance(csv, Path) and csv.exists() and session.samefile(csv):
-        raise click.UsageError(
-            "--csv names the session file: choose another file", click.get_current_context()
-        )
+    for option, written in (("--csv", csv), ("--out", out)):
+        if isinstance(written, Path) and written.exists() and session.samefile(written):
+            raise click.UsageError(
+                f"{option} names the session file: choose another file", click.get_current_context()
+            )
     target = replay_target(stored.record(), lane, branch)
     run, seconds = _replayed(stored, target, csv)
     if comes_out_otherwise(stored, target, run):
         click.echo(str(SessionError(session, OTHER_BITS)), err=True)
+    if out is not None:
+        import asyncio
+
+        from rl_tui.screen.app.screenshot import record, script_of_replay
+
+        cast = record(stored, size, script_of_replay(target), display_of(display))
+        write_text(asyncio.run(cast), str(out) if isinstance(out, Path) else "-")
     figures = replay_figures(stored, target, run, seconds)
     if as_json:
         print_json(figures)
     else:
-        click.echo(_report(stored, target, run, figures), err=is_stdout(csv))
+        click.echo(_report(stored, target, run, figures), err=is_stdout(csv) or is_stdout(out))
 
 
 def _replayed(stored: StoredSession, target: ReplayTarget, csv: CsvTarget) -> tuple[Run, float]:

@@ -18,7 +18,7 @@ import click
 
 from rl_tui.commands.line.program import FAILED
 from rl_tui.commands.options.display import DISPLAY_OPTIONS, display_of, display_options, is_given
-from rl_tui.commands.options.run import Whole, start_of
+from rl_tui.commands.options.run import SCENARIO, Whole, start_of
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
 
@@ -31,7 +31,7 @@ _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[ser
 
 
 @click.command("serve")
-@click.argument("scenario", metavar="[SCENARIO]", required=False)
+@click.argument("scenario", metavar="[SCENARIO]", required=False, type=SCENARIO)
 @click.option("--host", default="127.0.0.1", show_default=True, help="address to listen on")
 @click.option(
     "--port",
@@ -40,13 +40,13 @@ _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[ser
     show_default=True,
     help="port to listen on; 0: any free port",
 )
-@click.option("--url", help="public address, if a proxy is in front: https://lab.example.org")
+@click.option("--url", help="public address of a proxy in front, such as https://lab.example.org")
 @click.option(
     "--most",
     type=Whole(1, 1000),
     default=8,
     show_default=True,
-    help="most people at once (each has a process)",
+    help="largest number of people at once, each with a process",
 )
 @click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, like play")
 @click.option("--yes", is_flag=True, help="do not ask before other machines get access")
@@ -91,11 +91,11 @@ def command(
 def prepare(scenario: str) -> None:
     """Compile the kernels that play `scenario`, in another process.
 
-    A kiosk stores no compiled code, so every tab would have to compile again.
+    A kiosk stores no compiled code, so every tab would compile again.
     """
     from rl_tui.commands.serving.app_process import command_line
 
-    click.echo("preparing machine code: a moment, or half a minute the first time", err=True)
+    click.echo("preparing machine code (up to half a minute the first time)", err=True)
     warming = command_line(sys.executable, ["warm", scenario])
     with suppress(OSError, subprocess.TimeoutExpired):  # errors appear in the tabs
         subprocess.run(
@@ -106,15 +106,9 @@ def prepare(scenario: str) -> None:
 def serve_apps(
     listening: socket.socket, command: tuple[str, ...], host: str, url: str | None, *, kiosk: bool, most: int
 ) -> None:
-    """Serve app processes to browsers until interrupted.
+    """Serve at most `most` apps, each started by `command`, until interrupted.
 
-    Args:
-        listening: Socket that accepts browsers.
-        command: Command line that starts one app.
-        host: Address that the server listens on.
-        url: Address that people type, if a proxy is in front.
-        kiosk: True if the apps run in kiosk mode.
-        most: Largest number of apps at the same time.
+    `url` is what people type if a proxy is in front of `host`.
     """
     from rl_tui.commands.serving.addresses import Doorkeeper, url_of
     from rl_tui.commands.serving.site import Site, serve
@@ -124,14 +118,14 @@ def serve_apps(
 
     def started() -> None:
         people = "one person" if most == 1 else f"{most} people"
-        files = "files are out of reach" if kiosk else "the browser reads and writes your files"
-        click.echo(f"rl-tui is at {url_of(listening)} for up to {people} at once; {files}; ctrl+c stops it")
+        files = "the browser cannot open files" if kiosk else "the browser can read and write your files"
+        click.echo(f"rl-tui is at {url_of(listening)} for up to {people} at a time; {files}; ctrl+c stops it")
 
     asyncio.run(serve(site, listening, started))
 
 
 def _check_start(scenario: str | None, display: dict[str, Any], *, kiosk: bool) -> None:
-    """Raise the error with which every app would end immediately."""
+    # Raises the error with which every app would end immediately
     if scenario is not None:
         if kiosk:
             _check_shipped(scenario)
@@ -155,11 +149,7 @@ def _check_shipped(scenario: str) -> None:
 def _confirm(
     context: click.Context, host: str, port: int, url: str | None, *, most: int, kiosk: bool, yes: bool
 ) -> None:
-    """Warn before other machines get access, and ask for confirmation.
-
-    Raises:
-        click.UsageError: Other machines would get access to files, or there is no terminal to ask on.
-    """
+    # Raises UsageError if they would get access to files, or there is no terminal
     from rl_tui.commands.serving.addresses import is_this_machine
 
     if is_this_machine(host):
@@ -192,12 +182,12 @@ def _confirm(
 
 
 def is_interactive() -> bool:
-    """Return True if a person can answer a question on this terminal."""
+    """Return True if a person can answer on this terminal."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
 def app_command(context: click.Context, scenario: str | None, display: dict[str, Any]) -> tuple[str, ...]:
-    """Return the command line of an app, with the display options given to ``serve``."""
+    """Return the command line of an app, with the display options of ``serve``."""
     from rl_tui.commands.serving.app_process import command_line
 
     arguments = [] if scenario is None else ["play", scenario]

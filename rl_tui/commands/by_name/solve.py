@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from rl_tui.worlds.world import World
 
 _GREEDY_IS_NOT_ENOUGH: Final = """\
-At γ = 1 a greedy policy for Q* may circle forever and never earn what Q* promises. Of equally good actions
-the policy contains only those that lead to a terminal state; left out: {}."""
+At γ = 1, a greedy policy for Q* may circle forever and never earn what Q* promises. So the policy
+contains only those optimal actions that lead to a terminal state. Left out: {}."""
 
 
 @click.command("solve")
@@ -64,7 +64,6 @@ def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json:
 
 
 def _with_flips(world: World, mdp: TabularMDP, answer: dict[str, Any]) -> str:
-    """Add the flip points to `answer`, or the reason why there are none, and return them as text."""
     from rl_tui.agents.exact.flips import flips
     from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
     from rl_tui.commands.reports.flip_points import flips_document, flips_report
@@ -79,14 +78,7 @@ def _with_flips(world: World, mdp: TabularMDP, answer: dict[str, Any]) -> str:
 
 
 def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> str:
-    """Return `answer` as text.
-
-    Args:
-        title: Title of the scenario.
-        world: The world that was solved.
-        answer: Document of ``solve --json``.
-        left_out: Number of actions that are optimal by Q* but may never end.
-    """
+    # `left_out` counts actions that are optimal by Q* but may never end
     from rl_tui.commands.reports.policy_map import as_shown, policy_map
     from rl_tui.screen.draw.action_order import shown_order
     from rl_tui.worlds.drawing import Grid
@@ -104,7 +96,7 @@ def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> 
     ]
     limit = world.space.time_limit
     within = f", within {counted(limit, 'step')}" if limit else ""
-    any_policy = "choosing by the clock too" if limit else "by any policy that ends"
+    any_policy = "of any policy that knows the time left" if limit else "of any policy that ends"
     summary = [
         ("value at the start", number(answer["value_at_start"], ".5f"), f"discounted, γ {answer['gamma']:g}"),
         (
@@ -112,10 +104,14 @@ def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> 
             number(answer["expected_return"], ".5f"),
             f"undiscounted{within}, of this policy",
         ),
-        ("best possible", number(answer["best_expected_return"], ".5f"), f"likewise, {any_policy}"),
+        (
+            "best return",
+            number(answer["best_expected_return"], ".5f"),
+            f"likewise, the largest {any_policy}",
+        ),
     ]
     rounds = counted(answer["iterations"], "round")
-    parts = [f"{title}: exact, by policy iteration ({rounds} of evaluating and improving)", ""]
+    parts = [f"{title}: exact, by policy iteration ({rounds} of evaluation and improvement)", ""]
     parts += [columns([head, *rows], right=range(1, len(head) - 1)), ""]
     if isinstance(world.drawing, Grid):
         parts += [policy_map(world, policy), ""]

@@ -1,4 +1,4 @@
-"""``rl-tui train``: the same runs as on screen, without a screen."""
+"""``rl-tui train``: the runs of the screen, without a screen."""
 
 from __future__ import annotations
 
@@ -52,8 +52,8 @@ MOST_RUNS: Final = 100_000
     type=ChangeValue(),
     multiple=True,
     help="after STEP steps, change a setting such as epsilon=0, algorithm=NAME, or the world, such as "
-    "world.cell[1,2]=#. take=ACTION takes one action for the agent. sweep=evaluation or sweep=improvement "
-    "is for policy iteration. May be repeated",
+    "world.cell[1,2]=#. take=ACTION takes one action for the agent. sweep=evaluation and "
+    "sweep=improvement are for policy iteration. Repeat it for more changes",
 )
 @agent_option
 @allow_module_option
@@ -75,7 +75,7 @@ def command(
 ) -> None:
     """Train an agent, and print what it has learned.
 
-    It is the same run as on screen. The report compares it with the exact values. An example:
+    The run is the same as on screen. The report compares it with the exact values. An example:
 
     rl-tui train student --runs 50 --curve student.csv
     """

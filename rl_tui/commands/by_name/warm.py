@@ -1,4 +1,4 @@
-"""``rl-tui warm``: compile every kernel into the cache, for container images and classrooms."""
+"""``rl-tui warm``: compile every kernel into the cache."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from rl_tui.commands.line.output import progress
-from rl_tui.commands.options.run import allow_module_option
+from rl_tui.commands.options.run import SCENARIO, allow_module_option
 
 if TYPE_CHECKING:
     from rl_tui.agents.kernels.machine_code import Loop
 
 
 @click.command("warm")
-@click.argument("scenarios", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]...", nargs=-1)
+@click.argument("scenarios", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]...", nargs=-1, type=SCENARIO)
 @allow_module_option
 def command(scenarios: tuple[str, ...]) -> None:
     """Compile all kernels into the cache, or those for some scenarios.
@@ -36,7 +36,7 @@ def command(scenarios: tuple[str, ...]) -> None:
     loops = sorted({_loop_of(each) for each in scenarios}) if scenarios else [*all_loops(), *all_batches()]
     with progress("compiling") as on_progress:
         warmed = warm(loops, cores(), on_progress)
-    click.echo(f"compiled: {warmed.compiled}; there already: {warmed.found}")
+    click.echo(f"compiled: {warmed.compiled}; already compiled: {warmed.found}")
     click.echo(printable(str(cache_folder())))
 
 

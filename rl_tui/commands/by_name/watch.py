@@ -1,4 +1,4 @@
-"""``rl-tui watch``: watch a user's training script on screen, or report on it as JSON."""
+"""``rl-tui watch``: watch a user's training script, or report on it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import click
 from rl_tui.commands.line.output import complain, print_json, progress
 from rl_tui.commands.line.program import FAILED
 from rl_tui.commands.options.display import big_option, display_of, display_options
-from rl_tui.commands.options.run import Whole, json_option, seed_option
+from rl_tui.commands.options.run import FILE, Whole, json_option, seed_option
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
@@ -32,17 +32,19 @@ _WATCHED: Final = (
 
 
 @click.command("watch", context_settings={"ignore_unknown_options": True})
-@click.argument("script", metavar="SCRIPT.py")
+@click.argument("script", metavar="[SCRIPT.py]", required=False, type=FILE)
 @click.argument("arguments", metavar="[ARGS]...", nargs=-1, type=click.UNPROCESSED)
+@click.option("--example", is_flag=True, help="watch the example script, which has a bug")
 @click.option("--table", metavar="NAME", help="variable that holds the table  [default: found automatically]")
 @seed_option
-@click.option("--steps", type=Whole(1, MOST), help="number of steps after which the script ends")
+@click.option("--steps", type=Whole(1, MOST), help="stop the script after this number of steps")
 @json_option
 @big_option
 @display_options
 def command(
-    script: str,
+    script: str | None,
     arguments: tuple[str, ...],
+    example: bool,
     table: str | None,
     seed: int,
     steps: int | None,
@@ -51,23 +53,25 @@ def command(
 ) -> None:
     """Watch your own script or notebook learn, unchanged.
 
-    The script runs in its own process, and the keys of the screen pause and continue it. Unknown arguments go
-    to the script, and so does everything after --. With --json there is no screen: you get a report on the
+    The script runs in its own process, and the keys of the screen pause and continue it. Unknown arguments,
+    and all arguments after --, go to the script. With --json there is no screen: you get a report on the
     script's table and its bugs.
 
     This is not a sandbox: the script runs with all your rights.
     """
     from rl_tui.commands.line.screen import require_terminal
     from rl_tui.programs.watched.child.script import check_script
-    from rl_tui.programs.watched.program_process import ProgramRequest
+    from rl_tui.programs.watched.program_process import ProgramRequest, refuse_without_posix
     from rl_tui.screen.terminal.driver_choice import in_browser
 
     if in_browser():
         raise UserError("watch runs your own code: rl-tui serve does not allow this")
+    refuse_without_posix()
+    path = _path_of(script, example)
     if not as_json:
         require_terminal("--json works without one")
-    check_script(Path(script))
-    request = ProgramRequest(Path(script), arguments, seed=seed, steps=steps, table=table)
+    check_script(path)
+    request = ProgramRequest(path, arguments, seed=seed, steps=steps, table=table)
     if not as_json:
         from rl_tui.commands.line.screen import run_app
 
@@ -75,12 +79,24 @@ def command(
         return
     error = _print_report(request)
     if error is not None:
-        complain(f"rl-tui: {_in_a_line(script, error)}")
+        complain(f"rl-tui: {_in_a_line(str(path), error)}")
         click.get_current_context().exit(FAILED)
 
 
+def _path_of(script: str | None, example: bool) -> Path:
+    from rl_tui.worlds.files.shipped import shipped_folder
+
+    context = click.get_current_context()
+    if script is not None and example:
+        raise click.UsageError(f"--example has its own script: leave out {script}", context)
+    if example:
+        return shipped_folder().parent / "docs" / "lake.py"
+    if script is None:
+        raise click.UsageError("name a script, or watch the example: --example", context)
+    return Path(script)
+
+
 def _print_report(request: ProgramRequest) -> ProgramError | None:
-    """Watch the script to its end, print the document, and return the script's error, if any."""
     from rl_tui.programs.diagnosis.diagnosis import verdict_of
     from rl_tui.programs.grading.watch_report import error_of, watch_report
     from rl_tui.programs.watched.program_process import watched_to_the_end
@@ -102,7 +118,7 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
 
 
 def step_missed(name: str) -> Callable[[ProgramLog], None]:
-    """Return a callback that warns once on stderr if script `name` takes no step for five seconds."""
+    """Return a callback that warns once if script `name` takes no step for five seconds."""
     due, is_said = time.monotonic() + WORTH_TELLING, False
 
     def say(log: ProgramLog) -> None:

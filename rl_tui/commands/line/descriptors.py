@@ -1,7 +1,6 @@
 """Protection of file descriptors 1 and 2 from foreign output.
 
-An environment in C, or a process that it starts, writes directly to these descriptors. Replacing
-``sys.stdout`` does not stop it.
+An environment in C, or a process that it starts, writes directly to these, whatever ``sys.stdout`` is.
 """
 
 from __future__ import annotations
@@ -36,10 +35,10 @@ class _Named(FileIO):
 
 
 def keep_stdout() -> None:
-    """Reserve stdout for the output of this program until the process ends.
+    """Reserve stdout for this program until the process ends.
 
-    ``sys.stdout`` still writes to the old place. Everything else written to descriptor 1 goes to stderr.
-    Nothing changes on Windows, where a console is not a file.
+    Everything else written to descriptor 1 goes to stderr. Nothing changes on Windows, where a console is not
+    a file.
     """
     if sys.platform == "win32":
         return
@@ -47,13 +46,12 @@ def keep_stdout() -> None:
     ours = _copy(_STDOUT, sys.stdout)
     if ours is None:
         return
-    sys.stdout = sys.__stdout__ = ours  # type: ignore[misc]
+    for name in ("stdout", "__stdout__"):
+        setattr(sys, name, ours)
     _lead(_STDOUT, _STDERR)
 
 
 class _RawOfOurs(_Named):
-    """An unbuffered descriptor that drops foreign output."""
-
     def write(self, data: Any, /) -> int | None:  # type: ignore[override]
         return super().write(data) if _is_ours() else memoryview(data).nbytes
 
@@ -66,17 +64,12 @@ class _OursOnly(TextIOWrapper):
 
 
 class _BufferOfOurs(BufferedWriter):
-    """The buffer below such a text stream."""
-
     def write(self, data: Any, /) -> int:
         return super().write(data) if _is_ours() else memoryview(data).nbytes
 
 
 def _is_ours() -> bool:
-    """Return True in the main thread and in threads that write for Textual.
-
-    Environments run in other threads.
-    """
+    # Environments run in other threads
     thread = threading.current_thread()
     return thread is threading.main_thread() or type(thread).__module__.startswith("textual.")
 
@@ -85,9 +78,8 @@ def _is_ours() -> bool:
 def screen_alone() -> Iterator[None]:
     """Keep foreign output off the terminal, from now until the process ends.
 
-    Foreign output is dropped even after the context, because an environment may print until the process ends.
-    Output to a stderr that is not a terminal is kept. Nothing changes on Windows, which reaches the terminal
-    in other ways too.
+    It is dropped even after the context, because an environment may print until then. Output to a stderr that
+    is not a terminal is kept. Nothing changes on Windows, which reaches the terminal in other ways too.
     """
     if sys.platform != "win32":
         for descriptor, name in _NAMES.items():
@@ -123,7 +115,7 @@ def _copy(
     kind: type[TextIOWrapper] = TextIOWrapper,
     buffer: type[BufferedWriter] = BufferedWriter,
 ) -> TextIOWrapper | None:
-    """Return `stream` again over a copy of `descriptor`, or None if it writes elsewhere."""
+    # None if `stream` does not write to `descriptor`
     if not isinstance(stream, TextIOWrapper):
         return None
     with suppress(OSError, ValueError):
@@ -141,7 +133,7 @@ def _copy(
 
 
 def _open_stderr() -> None:
-    """Open stderr to nowhere if it is closed; otherwise the next opened file becomes descriptor 2."""
+    # Otherwise the next opened file would become descriptor 2
     try:
         os.fstat(_STDERR)
     except OSError:

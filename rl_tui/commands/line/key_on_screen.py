@@ -12,20 +12,19 @@ _UNRELATED: Final = 3
 
 
 def key_on_screen(word: str) -> str:
-    """Return a hint that names the key for `word` and the command that opens its screen.
+    """Return a hint with the key for `word` and the command that opens its screen.
 
-    Returns:
-        The hint. Empty if no key matches, or if `word` is a scenario.
+    Empty if no key matches, or if `word` is a scenario.
     """
     found = min(ACTIONS, key=lambda action: (_distance(action, word), _is_special(action)))
     if _distance(found, word) == _UNRELATED or (shipped_folder() / f"{word}.toml").is_file():
         return ""
     label = "" if found.label.lower().rstrip("…") == word.lower().rstrip("…") else f" ({found.label})"
-    return f"on screen it is the key {found.shown}{label}: {_command(found)}"
+    return f"it is a key on screen: start {_command(found)}, then press {found.shown}{label}"
 
 
 def _distance(action: Action, word: str) -> int:
-    """Return 0 if `word` is the label, 1 an alias, 2 the first word of the help, else 3."""
+    # 0: label, 1: alias, 2: first word of the help
     word, label, verb = (
         word.lower().rstrip("…"),
         action.label.lower().rstrip("…"),
@@ -35,7 +34,7 @@ def _distance(action: Action, word: str) -> int:
 
 
 def _is_special(action: Action) -> bool:
-    """Return True if the playground of a scenario does not have this action."""
+    # The playground of a scenario does not have it
     return Place.PLAYGROUND not in action.place or action.of_program or action.of_lesson
 
 

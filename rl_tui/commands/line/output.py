@@ -8,11 +8,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from rl_tui.common.findings import printable
+from rl_tui.common.packages import why_interpreted
 from rl_tui.common.words import lasting, short_count
 
 if TYPE_CHECKING:
@@ -28,26 +30,28 @@ _NOISE: Final = 1e-12  # rounding noise around 0
 
 
 def print_json(document: Any) -> None:
-    """Print one JSON document on stdout.
-
-    Raises:
-        ValueError: The document contains NaN or an infinity.
-    """
+    """Print one JSON document, or raise ValueError for NaN or an infinity."""
     click.echo(json.dumps(document, allow_nan=False))
 
 
+def write_text(text: str, out: str) -> None:
+    """Write to the file `out`, or to stdout for ``-``."""
+    if out == "-":
+        click.echo(text, nl=False)
+    else:
+        from rl_tui.common.files import whole_file
+
+        with whole_file(Path(out)) as stream:
+            stream.write(text)
+
+
 def complain(message: str) -> None:
-    """Print `message` on stderr, with control characters escaped."""
+    """Print on stderr, with control characters escaped."""
     click.echo("\n".join(map(printable, message.split("\n"))), err=True)
 
 
 def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
-    """Return rows of text as aligned columns.
-
-    Args:
-        rows: Cells. All rows have the same length.
-        right: Indices of the columns to align to the right.
-    """
+    """Return rows of equal length as aligned columns; `right` ones align to the right."""
     from rich.cells import cell_len
 
     widths = [max(cell_len(cell) for cell in column) for column in zip(*rows, strict=True)]
@@ -63,7 +67,7 @@ def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
 
 
 def number(value: float | str | None, form: str = ".5g") -> str:
-    """Format a number for people. None becomes a dash; a word stays unchanged.
+    """Format a number for people. None becomes a dash; a word stays.
 
     Rounding noise below 1e-12 is shown as 0.
     """
@@ -73,13 +77,10 @@ def number(value: float | str | None, form: str = ".5g") -> str:
 
 
 def alike(values: Sequence[float | None]) -> list[str]:
-    """Format numbers that appear side by side with the same number of decimals.
+    """Format numbers side by side, with the same number of decimals.
 
     The largest number gets five digits. If all are below 1e-5, all get an exponent. Common trailing zeros are
-    removed. A number that would round to 0 becomes a bound, such as ``<.01``.
-
-    Args:
-        values: The numbers. None becomes a dash.
+    removed. A number that would round to 0 becomes a bound, such as ``<.01``, and None a dash.
     """
     known = [_without_noise(value) for value in values if value is not None]
     largest = max(map(abs, known), default=0.0)
@@ -105,7 +106,7 @@ def _without_noise(value: float) -> float:
 
 
 def can_print(text: str) -> bool:
-    """Return True if stdout can encode all characters of `text`."""
+    """Return True if stdout can encode `text`."""
     try:
         text.encode(getattr(sys.stdout, "encoding", None) or "ascii")
     except UnicodeEncodeError:
@@ -123,7 +124,7 @@ _LONGEST_FINISH: Final = 20.0  # seconds
 
 
 class Progress:
-    """A progress display: call it with the amount done and the total amount."""
+    """A progress display, called with the amount done and the total."""
 
     def __init__(self, advance_bar: Callable[[int, str], object]) -> None:
         self._advance_bar = advance_bar
@@ -136,7 +137,7 @@ class Progress:
         self.show(done, wanted, _how_far(self._begun, done, wanted))
 
     def show(self, done: int, wanted: int, text: str) -> None:
-        """Show that `done` of `wanted` is finished, with `text` instead of the default words."""
+        """Show the progress with `text` instead of the default words."""
         before, self._parts = self._parts, min(done, wanted) * _PARTS // max(1, wanted)
         self._advance_bar(self._parts - before, text)
 
@@ -150,9 +151,7 @@ class Progress:
 def progress(label: str, *, has_end: bool = True) -> Iterator[Progress]:
     """Yield a progress display on stderr, invisible if stderr is not a terminal.
 
-    Args:
-        label: Text before the bar.
-        has_end: False if the total amount is unknown. Then only text is shown.
+    Without an end only text is shown.
     """
     if not sys.stderr.isatty():
         yield Progress(lambda parts, text: None)
@@ -173,7 +172,7 @@ def progress(label: str, *, has_end: bool = True) -> Iterator[Progress]:
 
 
 def with_compiling(bar: Progress) -> OnProgress:
-    """Return a progress callback that shows when kernels are being compiled."""
+    """Return a callback that also shows when kernels are compiled."""
     from rl_tui.agents.compiling.background import BACKGROUND
 
     def on_progress(done: int, wanted: int) -> None:
@@ -188,29 +187,22 @@ def with_compiling(bar: Progress) -> OnProgress:
 def finish_compiling() -> None:
     """Wait up to 20 seconds for a kernel that finished too late for this run.
 
-    The next run of this kind then finds its code. If compiling failed, the reason is printed: the training
-    took much longer than necessary.
+    The next run then finds its code. If compiling failed, the reason is printed.
     """
     from rl_tui.agents.compiling.background import BACKGROUND
 
     why_not = BACKGROUND.why_not(list(BACKGROUND.failed))
-    if why_not:
+    if why_not and why_not != why_interpreted():  # the command began with that
         complain(why_not)
     if BACKGROUND.is_busy and sys.stderr.isatty():  # only where a person waits
         sys.stdout.flush()
-        click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
+        click.echo("compiling the rest, so that the next start is fast; ctrl+c skips it", err=True)
         with suppress(KeyboardInterrupt):
             BACKGROUND.finish(_LONGEST_FINISH)
 
 
 def _how_far(begun: tuple[float, int], done: int, wanted: int) -> str:
-    """Return text such as ``30.2M of 1000T, 3 years left``.
-
-    Args:
-        begun: Time and amount at the start of the estimate.
-        done: Amount finished.
-        wanted: Total amount.
-    """
+    # Such as "30.2M of 1000T, 3 years left"
     start, before = begun
     seconds = time.monotonic() - start
     words = f"{short_count(done)} of {short_count(wanted)}"

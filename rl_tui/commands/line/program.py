@@ -27,9 +27,8 @@ TRACEBACK: Final = "RL_TUI_TRACEBACK"
 class Program(click.Group):
     """A command group that imports the module of a command only when needed.
 
-    `modules` maps command names to modules, each with an attribute ``command``. Commands in `first_in_help`
-    are listed first. The exit status is 0 (done), 1 (failed), 2 (usage error) or 130 (interrupted). Errors
-    never print a traceback.
+    `modules` maps command names to modules with an attribute ``command``. The exit status is 0 (done), 1
+    (failed), 2 (usage error) or 130 (interrupted). Errors never print a traceback.
     """
 
     modules: ClassVar[Mapping[str, str]]
@@ -48,11 +47,7 @@ class Program(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command at the start of `args`.
-
-        Raises:
-            click.UsageError: There is no such command. The message suggests a near name or a key.
-        """
+        """Find the command at the start of `args`, or suggest a near name or a key."""
         name = args[0]
         if name not in self.modules and not name.startswith("-"):
             raise click.UsageError(f"unknown command {name!r}; {self._hint(name)}", ctx)
@@ -87,9 +82,10 @@ class Program(click.Group):
         except click.UsageError as fault:
             where = fault.ctx.command_path if fault.ctx else "rl-tui"
             problem = " ".join(fault.format_message().split())  # choices come one a line
+            listed = "commands" if where == "rl-tui" else "options"
             if isinstance(fault, click.NoSuchOption):
-                problem = _unknown_option(fault, self)
-            return _fail(f"{where}: {problem} ({where} --help lists the options)", USAGE)
+                problem, listed = _unknown_option(fault, self), "options"
+            return _fail(f"{where}: {problem} ({where} --help lists the {listed})", USAGE)
         except click.Abort:
             return INTERRUPTED
         except click.ClickException as fault:
@@ -116,7 +112,7 @@ class Program(click.Group):
 
 
 def _unknown_option(fault: click.NoSuchOption, program: click.Group) -> str:
-    """Return an error message that names commands with this option, or a near option."""
+    # Names commands with this option, or a near option
     option, context = fault.option_name, fault.ctx
     said = f"unknown option {option}"
     if context is None:
@@ -125,7 +121,7 @@ def _unknown_option(fault: click.NoSuchOption, program: click.Group) -> str:
         name for name, command in _commands(program, context.find_root()) if option in _options(command)
     ]
     if owners:
-        return f"{said} here; it is one of {', '.join(owners)}"
+        return f"{said} here; it belongs to {', '.join(owners)}"
     # the common dashes would make all names similar
     names = {each.lstrip("-"): each for each in _options(context.command) if each.startswith("--")}
     near = get_close_matches(option.lstrip("-"), names, n=1)
@@ -165,5 +161,5 @@ def _fail(message: str, status: int = FAILED) -> int:
 
 
 def _give_up_stdout() -> None:
-    """Discard the rest of stdout: the reader stopped, like ``head``, or the disk is full."""
+    # The reader stopped, like `head`, or the disk is full
     lead_nowhere(sys.stdout.fileno())

@@ -1,11 +1,10 @@
-"""The start of the app on screen, for one user or as a kiosk."""
+"""The start of the app, for one user or as a kiosk."""
 
 from __future__ import annotations
 
 import ctypes
 import gc
 import os
-import shlex
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -19,7 +18,7 @@ from rl_tui.commands.line.descriptors import screen_alone
 from rl_tui.commands.line.output import complain
 from rl_tui.commands.line.program import USAGE
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import printable
+from rl_tui.common.findings import command_line, printable
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.terminal.driver_choice import IN_BROWSER, in_browser
@@ -62,7 +61,7 @@ kiosk_option: Final = click.option(
 
 
 def enter_kiosk(command: str | None) -> None:
-    """Prepare the process for `command` if it is a kiosk, before heavy imports.
+    """Prepare for `command` if this is a kiosk, before heavy imports.
 
     Raises:
         UserError: A kiosk does not have this command.
@@ -70,9 +69,7 @@ def enter_kiosk(command: str | None) -> None:
     if not in_kiosk():
         return
     if command not in COMMANDS:
-        raise UserError(
-            f"kiosk mode has no {command}: it has only the scenarios of rl-tui, and uses no files"
-        )
+        raise UserError(f"kiosk mode has no {command}: it shows only scenarios of rl-tui, and opens no files")
     sys.dont_write_bytecode = True
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     for name, value in list(os.environ.items()):
@@ -84,12 +81,12 @@ def enter_kiosk(command: str | None) -> None:
 def confine() -> None:
     """Restrict this process permanently to what a kiosk needs, and lower its priority.
 
-    Even a bug cannot write files afterwards. Nothing happens on systems without such limits (Windows).
+    Even a bug cannot write files afterwards. Windows has no such limits.
     """
-    try:
-        import resource
-    except ImportError:
+    if sys.platform == "win32":
         return
+    import resource
+
     for kind, most in (
         (resource.RLIMIT_FSIZE, 0),
         (resource.RLIMIT_CORE, 0),
@@ -120,10 +117,7 @@ class NoTerminalError(click.ClickException):
 
 
 def require_terminal(instead: str = "rl-tui train and rl-tui screenshot work without one") -> None:
-    """Check that the app can draw on this terminal.
-
-    Args:
-        instead: End of the error message: what works without a terminal.
+    """Check that the app can draw here. `instead` says what works without a terminal.
 
     Raises:
         NoTerminalError: Input or output is not a terminal, or its type is unknown.
@@ -165,12 +159,9 @@ def require_open_files() -> None:
 
 
 def run_app(display: Display, start: Start | ProgramRequest = None) -> None:
-    """Show the app until the user quits.
+    """Show the app, from `start` (None: the start screen), until the user quits.
 
-    Args:
-        display: How the screen looks.
-        start: What to open; None: the start screen. A program is started before the screen opens, so its
-            errors appear on the normal terminal.
+    A program is started before the screen opens, so its errors appear on the normal terminal.
 
     Raises:
         UserError: An error ended the app.
@@ -186,9 +177,7 @@ def run_app(display: Display, start: Start | ProgramRequest = None) -> None:
 
 @contextmanager
 def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
-    """Yield the running program of `request`, stopped before its first step.
-
-    The program ends with the context.
+    """Yield the running program, stopped before its first step.
 
     Raises:
         UserError: The program cannot be shown, or this is a kiosk.
@@ -207,11 +196,9 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
 
 @contextmanager
 def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
-    """Yield a callback that shows on stderr how long the program has not been ready for its first step.
+    # The callback shows how long the program is not ready, and returns True
+    from rl_tui.programs.watched.notebook import place_in_words
 
-    The line disappears at the end. Notes of the program are printed and stay. The callback always returns
-    True.
-    """
     begun, said, noted = time.monotonic(), 0, 0
 
     def go_on() -> bool:
@@ -219,7 +206,7 @@ def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
         waited = int(time.monotonic() - begun)
         if waited > said and waited >= WORTH_TELLING:
             said = waited
-            at = "" if program.log.stands_at is None else f", now in line {program.log.stands_at[1]}"
+            at = "" if program.log.stands_at is None else f", now in {place_in_words(*program.log.stands_at)}"
             name = printable(program.request.path.name)
             text = f"{name} is not ready for its first step yet ({waited} s{at}); ctrl+c ends it"
             click.echo("\r\x1b[K", err=True, nl=False)
@@ -237,11 +224,7 @@ def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
 
 
 def refuse_where_served() -> None:
-    """Refuse to run a user's code where other people use the program.
-
-    Raises:
-        UserError: This is a kiosk, or the app runs in a browser.
-    """
+    """Raise UserError in a kiosk or browser, where others use the program."""
     if in_kiosk() or in_browser():
         raise UserError("your own code does not run in a kiosk or in rl-tui serve")
 
@@ -273,19 +256,15 @@ def _run_app(display: Display, start: Start) -> None:
 
 
 def _tell_what_is_kept(kept: KeptSession, glyphs: Glyphs) -> None:
-    """Print on stderr how to continue the saved session."""
     from rl_tui.screen.draw.to_ascii import separated
 
     with suppress(OSError):
         complain(f"saved: {separated(kept.title, glyphs)}, at step {kept.step:,}")
-        complain(f"continue with: rl-tui play {shlex.quote(str(kept.path))}")
+        complain(f"continue with: rl-tui play {command_line([str(kept.path)])}")
 
 
 def _stand_somewhere() -> None:
-    """Change to the temporary folder if the current folder was deleted.
-
-    Libraries ask for the current folder, for example when they compile a kernel.
-    """
+    # Libraries ask for the current folder, even if it was deleted
     try:
         Path.cwd()
     except OSError:
@@ -296,11 +275,7 @@ def _stand_somewhere() -> None:
 
 @contextmanager
 def _nothing_collected() -> Iterator[None]:
-    """Exclude the objects made in this context from garbage collection.
-
-    Imported modules never become garbage. Measured: collecting takes a tenth of the import time before the
-    first paint.
-    """
+    # Collecting garbage takes a tenth of the import time
     gc.disable()
     try:
         yield
@@ -310,11 +285,7 @@ def _nothing_collected() -> Iterator[None]:
 
 
 def _share_heap() -> None:
-    """Let all threads allocate from one heap. Call it before threads start.
-
-    glibc gives each thread its own heap, which fragments when other threads free its memory. Measured with
-    runs opened and ended side by side: 74 MB more in a few minutes, against 30 MB. Kernels allocate nothing,
-    so they never wait for the heap. Other C libraries have one heap anyway.
-    """
+    # glibc gives each thread its own heap, which fragments when other threads free its memory: 74 MB more in
+    # a few minutes, against 30 MB. This must happen before threads start
     with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).mallopt(_ARENA_MAX, 1)

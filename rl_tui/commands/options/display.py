@@ -13,7 +13,7 @@ from rl_tui.screen.app.display import Colours, Display
 
 _DEFAULT: Final = Display()
 _FPS: Final = Parameter(
-    "fps", "fps", "frames per second at most; fewer for slow connections", Range(0, 60, open_low=True)
+    "fps", "fps", "most frames per second; fewer for slow connections", Range(0, 60, open_low=True)
 )
 _OPTIONS: Final = (
     click.option(
@@ -43,7 +43,7 @@ class PanelNames(OptionValue):
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> str | frozenset[str]:
-        """Return the word or the ids, or fail with the known ids."""
+        """Parse a word or ids, or fail with the known ids."""
         from rl_tui.worlds.files.scenario import unknown_panels
 
         if value in ("few", "all"):
@@ -58,26 +58,26 @@ panels_option: Final = click.option(
     "--panels",
     type=PanelNames(),
     metavar="few|all|NAME,…",
-    help="panels at the start; with few, others appear when they are useful  [default: the scenario's]",
+    help="panels at the start; with few, more appear when they are useful  [default: the scenario's]",
 )
 big_option: Final = click.option("--big", is_flag=True, help="start with the world in full screen (f)")
 
 
 def display_options(command: Command) -> Command:
-    """Add the display options to `command`. Their names are in ``DISPLAY_OPTIONS``."""
+    """Add the options in ``DISPLAY_OPTIONS`` to `command`."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
 
 
 def is_given(context: click.Context, name: str) -> bool:
-    """Return True if the option `name` was given, before or after the command."""
+    """Return True if an option was given, before or after the command."""
     source = context.get_parameter_source(name)
     return source in (click.core.ParameterSource.COMMANDLINE, click.core.ParameterSource.DEFAULT_MAP)
 
 
 def display_of(values: Mapping[str, Any]) -> Display:
-    """Return the display settings for the option values in `values`, by name.
+    """Return the display settings for option values by name.
 
     ``big`` and ``panels`` may be missing.
     """

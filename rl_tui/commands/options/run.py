@@ -1,7 +1,4 @@
-"""Options for the start of a run.
-
-Hyper-parameter options come from the table of hyper-parameters. A new parameter appears here automatically.
-"""
+"""Options for the start of a run, from the table of hyperparameters."""
 
 from __future__ import annotations
 
@@ -9,7 +6,7 @@ import functools
 import math
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
@@ -18,8 +15,12 @@ import click
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter, Range
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import shown
+from rl_tui.common.kiosk import in_kiosk
 
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     from rl_tui.live.sessions.session import StoredSession
     from rl_tui.runs.recipe import JournalEntry, Recipe
 
@@ -28,11 +29,11 @@ if TYPE_CHECKING:
 
 
 class OptionValue(click.ParamType):  # type: ignore[type-arg]  # generic in newer versions only
-    """Base of the option types of this program."""
+    """Base of all option types."""
 
 
 class ParameterValue(OptionValue):
-    """A value of a hyper-parameter: a number in its range, or one of its words."""
+    """A value of a hyperparameter: a number in its range, or one of its words."""
 
     def __init__(self, parameter: Parameter) -> None:
         self.parameter = parameter
@@ -44,7 +45,7 @@ class ParameterValue(OptionValue):
         return self.name.replace("number", "NUMBER")
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float | str:
-        """Return the number or word, or fail with the expected values."""
+        """Parse a number or word, or fail with the expected values."""
         number = number_in(value)
         if isinstance(value, str) and value in self.parameter.words:
             return value
@@ -62,7 +63,7 @@ class Whole(OptionValue):
         self.range = Range(low, high)
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """Return the number, or fail with the range."""
+        """Parse a number, or fail with the range."""
         try:
             number: int | None = int(str(value))
         except ValueError:
@@ -81,7 +82,7 @@ class Real(OptionValue):
         self.range = Range(low, high)
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Return the number, or fail with the range."""
+        """Parse a number, or fail with the range."""
         number = number_in(value)
         if number is None or not math.isfinite(number) or number not in self.range:
             self.fail(f"expected a number in {self.range}, not {value}", param, ctx)
@@ -96,7 +97,7 @@ class ChangeValue(OptionValue):
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> JournalEntry:
-        """Return the change, or fail with the expected form."""
+        """Parse a change, or fail with the expected form."""
         from rl_tui.runs.changes import read_change
         from rl_tui.runs.recipe import JournalEntry
 
@@ -109,7 +110,7 @@ class ChangeValue(OptionValue):
 
 
 def number_in(value: object) -> float | None:
-    """Return the number written in an option value, or None."""
+    """Return the number in an option value, or None."""
     try:
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
@@ -128,11 +129,11 @@ class PictureFile(OptionValue):
     name = "F.svg|F.png"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        """Return the placeholder for the help text, with the suffixes in lower case."""
+        """Return the placeholder, with the suffixes in lower case."""
         return self.name
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Return the path, or fail with the allowed suffixes."""
+        """Parse a path, or fail with the allowed suffixes."""
         path = Path(str(value))
         if path.suffix.lower() not in SUFFIXES:
             self.fail(f"{value} does not end in {' or '.join(SUFFIXES)}", param, ctx)
@@ -149,7 +150,42 @@ out_option: Final = click.option(
 
 Command = Callable[..., Any]
 
-scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml|gym:ENV_ID")
+
+class NameOrFile(OptionValue):
+    """A name or the path of a file, as text. The shell completes both."""
+
+    name = "text"
+
+    def __init__(self, names: Callable[[], Iterable[str]] = tuple) -> None:
+        self.names = names
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Complete names, or let the shell look for files."""
+        from click.shell_completion import CompletionItem
+
+        found = [CompletionItem(name) for name in self.names() if name.startswith(incomplete)]
+        return found or [CompletionItem(incomplete, type="file")]
+
+
+def _scenarios() -> Iterable[str]:
+    from rl_tui.worlds.files.catalogue import scenarios
+
+    return (each.id for each in scenarios())
+
+
+def _lessons() -> Iterable[str]:
+    from rl_tui.lessons.catalogue import shipped_lessons
+
+    return (each.id for each in shipped_lessons())
+
+
+FILE: Final = NameOrFile()
+SCENARIO: Final = NameOrFile(_scenarios)
+LESSON: Final = NameOrFile(_lessons)
+
+scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml|gym:ENV_ID", type=SCENARIO)
 seed_option: Final = click.option(
     "--seed", type=Whole(0), default=0, show_default=True, help="seed of all randomness"
 )
@@ -185,23 +221,18 @@ def _csv_target(_: click.Context, __: click.Parameter, name: str | None) -> CsvT
 
 
 def target_option(option: str, text: str) -> Callable[[Command], Command]:
-    """Return an option for an output file, where ``-`` means stdout.
-
-    Args:
-        option: Name of the option, such as ``--csv``.
-        text: What is written there, for the help.
-    """
+    """Return an option for an output file, where ``-`` means stdout. `text` is its help."""
     return click.option(
         option,
         type=click.Path(dir_okay=False, allow_dash=True),
         callback=_csv_target,
-        help=f"write {text}; - is stdout, the report then goes to stderr",
+        help=f"write {text} (-: to stdout, and the report to stderr)",
     )
 
 
 csv_option: Final = target_option("--csv", "one row per episode: run, episode, return (undiscounted), length")
 curve_option: Final = target_option(
-    "--curve", "the mean curve of all runs, in at most 200 rows, each the mean of a group of episodes"
+    "--curve", "the mean curve of all runs in at most 200 rows, each a mean of several episodes"
 )
 
 
@@ -211,15 +242,7 @@ def is_stdout(target: CsvTarget) -> bool:
 
 
 def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
-    """Check that no two outputs have the same target.
-
-    Args:
-        targets: Output targets by option name.
-        as_json: True if a JSON document goes to stdout.
-
-    Raises:
-        click.UsageError: Two outputs would share a file or stdout.
-    """
+    """Raise UsageError if two outputs would share a file or stdout."""
     wanted: dict[object, str] = {sys.stdout: "--json"} if as_json else {}
     for option, target in targets.items():
         if target is None:
@@ -229,16 +252,16 @@ def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
             where = "stdout" if is_stdout(target) else "the same file"
             first, second = sorted((option, wanted[place]))
             raise click.UsageError(
-                f"{first} and {second} both write to {where}: choose another target for one",
+                f"{first} and {second} both write to {where}: choose another file for one of them",
                 click.get_current_context(),
             )
         wanted[place] = option
 
 
 def run_options(command: Command) -> Command:
-    """Add ``--algorithm`` and all hyper-parameters to `command`.
+    """Add ``--algorithm`` and all hyperparameters to `command`.
 
-    The command receives the given ones as the mapping ``overrides``.
+    The given ones arrive as the mapping ``overrides``.
     """
     names = ("algorithm", *PARAMETERS)
 
@@ -255,12 +278,7 @@ def run_options(command: Command) -> Command:
 
 
 def algorithm_option(argument: str, more: str = "") -> Callable[[Command], Command]:
-    """Return the option ``--algorithm``.
-
-    Args:
-        argument: Name of the argument that receives the value.
-        more: Addition to the help text.
-    """
+    """Return the option ``--algorithm``, whose value `argument` receives."""
     return click.option(
         "--algorithm",
         argument,
@@ -271,12 +289,7 @@ def algorithm_option(argument: str, more: str = "") -> Callable[[Command], Comma
 
 
 def parameter_option(name: str, more: str = "") -> Callable[[Command], Command]:
-    """Return the option of the hyper-parameter `name`.
-
-    Args:
-        name: Name of the parameter.
-        more: Addition to the help text.
-    """
+    """Return the option of a hyperparameter. `more` adds to its help."""
     parameter = PARAMETERS[name]
     return click.option(
         f"--{name.replace('_', '-')}",
@@ -287,22 +300,26 @@ def parameter_option(name: str, more: str = "") -> Callable[[Command], Command]:
 
 
 def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | StoredSession:
-    """Return the recipe of a scenario, or the session of a .json file.
-
-    Args:
-        name: Scenario id, path of a scenario file, ``gym:ENV_ID``, or path of a session.
-        overrides: Hyper-parameters by name.
-        seed: Seed of the run.
+    """Return the recipe of a scenario (id, file or ``gym:ENV_ID``), or a session (.json).
 
     Raises:
         UserError: There is no such scenario or session.
         click.UsageError: A session was given together with options of a run.
     """
-    from rl_tui.live.sessions.session import SUFFIX, read_session
+    from rl_tui.live.sessions.place import session_folder
+    from rl_tui.live.sessions.session import SUFFIX, files_in, read_session
     from rl_tui.runs.library import recipe_named
 
     if not name.endswith(SUFFIX):
-        return recipe_named(name, overrides, seed)
+        try:
+            return recipe_named(name, overrides, seed)
+        except UserError:
+            if in_kiosk() or name in _scenarios():
+                raise
+            path = next((path for path in files_in(session_folder()) if path.stem == name), None)
+            if path is None:
+                raise
+            raise UserError(f"there is no scenario {shown(name)}; to open the session, give {path}") from None
     if overrides or seed:
         context = click.get_current_context()
         raise click.UsageError("a session has its own settings: leave out the options of a run", context)
@@ -312,7 +329,7 @@ def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | Sto
 
 
 def warn_of_no_effect(recipe: Recipe, overrides: Mapping[str, object]) -> None:
-    """Warn on stderr about `overrides` that the algorithm and policy of `recipe` ignore."""
+    """Warn about `overrides` that algorithm and policy ignore."""
     from rl_tui.runs.library import without_effect
 
     policy = "" if BY_ID[recipe.algorithm].planner else f" with policy {recipe.hyperparameters.policy}"
@@ -322,10 +339,10 @@ def warn_of_no_effect(recipe: Recipe, overrides: Mapping[str, object]) -> None:
 
 
 def _help(parameter: Parameter) -> str:
-    """Return the help text: meaning and range. Words appear in the placeholder instead."""
+    # Words appear in the placeholder instead
     is_a_sign = len(parameter.symbol.strip("₀")) == 1 and parameter.symbol != parameter.name
     named = f"{parameter.symbol}, {parameter.help}" if is_a_sign else parameter.help
-    return named if parameter.range is None else f"{named}: {parameter.expected}"
+    return named if parameter.range is None else f"{named}; {parameter.expected}"
 
 
 # The help of commands that take them: a section for each purpose
@@ -356,7 +373,7 @@ class SectionedCommand(click.Command):
 
 
 def section_of(option: str) -> str:
-    """Return the title of the help section of `option`, given by its Python name."""
+    """Return the help section of an option, given by its Python name."""
     if option == "algorithm":
         return LEARNING
     if option not in PARAMETERS:

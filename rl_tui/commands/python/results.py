@@ -1,4 +1,4 @@
-"""Result classes of the Python functions, with arrays and numbers.
+"""Result classes of the Python functions.
 
 S is the number of states, A the number of actions. Arrays [S, A] hold NaN, or −1, where an action is not
 available. Expected values are None without an exact answer.
@@ -12,11 +12,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from rl_tui.common.errors import UserError
+
 # Printing as a short table
 
 
 class ShortTable:
-    """A result that prints as a short table, on a terminal or in a notebook."""
+    """A result that prints as a short table."""
 
     @abstractmethod
     def _caption(self) -> str:
@@ -35,12 +37,30 @@ class ShortTable:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        """Return the table as HTML, with all text escaped."""
+        """Return the table as escaped HTML."""
         body = "".join(
             f"<tr><th>{escape(first)}</th>{''.join(f'<td>{escape(cell)}</td>' for cell in others)}</tr>"
             for first, *others in self._rows()
         )
         return f"<table><caption>{escape(self._caption())}</caption><tbody>{body}</tbody></table>"
+
+
+class Drawable(ShortTable):
+    """A result with a picture, and a table of pandas."""
+
+    @abstractmethod
+    def plot(self) -> ResultPlot:
+        """Return the picture of the result."""
+
+    @abstractmethod
+    def to_pandas(self) -> Any:
+        """Return the result as a DataFrame. Raises rl_tui.Error if pandas is not installed."""
+
+    def _repr_svg_(self) -> str | None:
+        try:
+            return self.plot().svg
+        except UserError:  # there is nothing to draw
+            return None
 
 
 def figure(value: float | str | None) -> str:
@@ -57,19 +77,21 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from rl_tui.commands.python.plots import ResultPlot
+
     FloatArray = npt.NDArray[np.float64]
     IntArray = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class TrainResult(ShortTable):
+class TrainResult(Drawable):
     """One trained agent, compared with the exact answer: the data of ``rl-tui train --json``."""
 
     scenario: str
     algorithm: str
     seed: int
     hyperparameters: Mapping[str, float | str]
-    """Every hyper-parameter by name, including the scenario's own values."""
+    """Every hyperparameter by name, including the scenario's own values."""
     without_effect: tuple[str, ...]
     """Given settings that neither the algorithm nor its policy uses."""
     states: tuple[str, ...]
@@ -107,6 +129,27 @@ class TrainResult(ShortTable):
     figures: Mapping[str, Any]
     """The complete document of ``rl-tui train --json``."""
 
+    def plot(self, measure: str | None = None) -> ResultPlot:
+        """Return the learning curve: means over at most 200 bins of episodes.
+
+        Args:
+            measure: ``"return_mean"`` (None) or ``"length_mean"``.
+
+        Raises:
+            rl_tui.Error: The measure is unknown, or no episode was finished.
+        """
+        from rl_tui.commands.python.plots import curve_of_episodes, plot_of_curve
+
+        return plot_of_curve(self._caption(), curve_of_episodes(self.returns, self.lengths), None, measure)
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame of the episodes: return and length. Raises rl_tui.Error without pandas."""
+        from rl_tui.commands.python.plots import pandas_module
+
+        frame = pandas_module().DataFrame({"return": self.returns, "length": self.lengths})
+        frame.index = frame.index.rename("episode") + 1
+        return frame
+
     def _caption(self) -> str:
         return f"{self.scenario}: {self.algorithm}, seed {self.seed}"
 
@@ -123,7 +166,7 @@ class TrainResult(ShortTable):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class TrainResults(ShortTable):
+class TrainResults(Drawable):
     """R runs of one agent with consecutive seeds: the data of ``rl-tui train --runs --json``.
 
     Arrays [R] hold NaN where a run lacks the number.
@@ -132,7 +175,7 @@ class TrainResults(ShortTable):
     scenario: str
     algorithm: str
     hyperparameters: Mapping[str, float | str]
-    """Every hyper-parameter by name, including the scenario's own values."""
+    """Every hyperparameter by name, including the scenario's own values."""
     without_effect: tuple[str, ...]
     """Given settings that neither the algorithm nor its policy uses."""
     seeds: IntArray
@@ -158,6 +201,25 @@ class TrainResults(ShortTable):
     figures: Mapping[str, Any]
     """The complete document of ``rl-tui train --runs --json``."""
 
+    def plot(self, measure: str | None = None) -> ResultPlot:
+        """Return the mean learning curve, with its 95 % interval.
+
+        Args:
+            measure: ``"return_mean"`` (None), ``"length_mean"``, or ``"optimal_action_rate"`` of a bandit.
+
+        Raises:
+            rl_tui.Error: The measure is unknown, or no episode was finished.
+        """
+        from rl_tui.commands.python.plots import plot_of_curve
+
+        return plot_of_curve(self._caption(), self.curve, len(self), measure)
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame of the runs: all their numbers, by seed. Raises rl_tui.Error without pandas."""
+        from rl_tui.commands.python.plots import pandas_module
+
+        return pandas_module().DataFrame(list(self.runs)).set_index("seed")
+
     def __len__(self) -> int:
         return len(self.runs)
 
@@ -176,7 +238,7 @@ class TrainResults(ShortTable):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class SolveResult(ShortTable):
+class SolveResult(Drawable):
     """Optimal values and policy, exact to 1e-9: the data of ``rl-tui solve --json``."""
 
     scenario: str
@@ -200,6 +262,22 @@ class SolveResult(ShortTable):
     figures: Mapping[str, Any]
     """The complete document of ``rl-tui solve --json``."""
 
+    def plot(self) -> ResultPlot:
+        """Return the values of the states. Raises rl_tui.Error if no state has one."""
+        from rl_tui.commands.python.plots import plot_of_values
+
+        return plot_of_values(self._caption(), self.v.tolist())
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame of the states: the value, then Q of each action.
+
+        Raises:
+            rl_tui.Error: pandas is not installed.
+        """
+        from rl_tui.commands.python.plots import state_frame
+
+        return state_frame(self.states, self.v, self.actions, self.q)
+
     def _caption(self) -> str:
         return f"{self.scenario}: exact, gamma {self.gamma:g}"
 
@@ -207,13 +285,13 @@ class SolveResult(ShortTable):
         return [
             ("value at the start", figure(self.value_at_start)),
             ("expected return", figure(self.expected_return)),
-            ("best possible", figure(self.best_expected_return)),
+            ("best return", figure(self.best_expected_return)),
             ("states, actions", f"{len(self.states):,}, {len(self.actions):,}"),
         ]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class EvaluateResult(ShortTable):
+class EvaluateResult(Drawable):
     """Exact values of a policy: the data of ``rl-tui evaluate --json``."""
 
     scenario: str
@@ -221,7 +299,7 @@ class EvaluateResult(ShortTable):
     policy_name: str
     """Name of the policy: a word, a file, "trained" or "array"."""
     epsilon: float
-    """Probability of a random action instead of the policy's."""
+    """Probability that a random action replaces the policy's."""
     states: tuple[str, ...]
     """State names, [S]."""
     actions: tuple[str, ...]
@@ -240,6 +318,22 @@ class EvaluateResult(ShortTable):
     """Probability that an episode ends, 0 to 1."""
     figures: Mapping[str, Any]
     """The complete document of ``rl-tui evaluate --json``."""
+
+    def plot(self) -> ResultPlot:
+        """Return the values of the states. Raises rl_tui.Error if no state has one."""
+        from rl_tui.commands.python.plots import plot_of_values
+
+        return plot_of_values(self._caption(), self.v.tolist())
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame of the states: the value, then the probability of each action.
+
+        Raises:
+            rl_tui.Error: pandas is not installed.
+        """
+        from rl_tui.commands.python.plots import state_frame
+
+        return state_frame(self.states, self.v, self.actions, self.policy)
 
     def _caption(self) -> str:
         mixed = f", epsilon {self.epsilon:g}" if self.epsilon else ""
@@ -269,7 +363,7 @@ class ScenarioInfo(ShortTable):
     time_limit: int
     """Steps after which an episode is truncated; 0: none."""
     defaults: Mapping[str, Any]
-    """Algorithm, episodes and every hyper-parameter, by name."""
+    """Algorithm, episodes and every hyperparameter, by name."""
 
     def _caption(self) -> str:
         return f"{self.id}: {self.title}"
@@ -285,6 +379,12 @@ class ScenarioInfo(ShortTable):
 
 class ScenarioTable(ShortTable, list[ScenarioInfo]):
     """A list of scenarios that prints as one table."""
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame of the scenarios, by id. Raises rl_tui.Error if pandas is not installed."""
+        from rl_tui.commands.python.plots import pandas_module
+
+        return pandas_module().DataFrame([vars(each) for each in self]).set_index("id")
 
     def _caption(self) -> str:
         return f"{len(self):,} scenarios"

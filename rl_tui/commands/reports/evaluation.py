@@ -22,14 +22,7 @@ _EQUAL: Final = 1e-12
 
 
 def evaluation(title: str, world: World, policy: FloatArray, answer: Mapping[str, Any]) -> str:
-    """Return the report on a policy as text.
-
-    Args:
-        title: Title of the scenario.
-        world: The world of the policy.
-        policy: Probability of each pair, [P].
-        answer: Document of ``evaluate --json``.
-    """
+    """Return the report on `policy`, [P]. `answer` is the document of ``evaluate --json``."""
     space = world.space
     chosen = best_pairs(space, policy, _EQUAL)
     parts = [_head(title, answer), "", _values(world, policy, answer["V"]), ""]
@@ -40,12 +33,12 @@ def evaluation(title: str, world: World, policy: FloatArray, answer: Mapping[str
     parts.append(columns(_summary(space.time_limit, answer)))
     if answer["not_given"]:
         states = counted(answer["not_given"], "state")
-        parts += ["", f"In {states} the file says nothing: there a random action is taken."]
+        parts += ["", f"The file has no action for {states}: the policy is random there."]
     return "\n".join(parts)
 
 
 def _head(title: str, answer: Mapping[str, Any]) -> str:
-    mixed = f", a random action {answer['epsilon']:.12g} of the time" if answer["epsilon"] else ""
+    mixed = f", a random action with probability {answer['epsilon']:.12g}" if answer["epsilon"] else ""
     return f"{title}: policy {answer['policy']}{mixed}, exact"
 
 

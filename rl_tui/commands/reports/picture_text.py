@@ -52,13 +52,8 @@ _SCALE: Final = 20  # width of the colour scale
 def atlas_lines(atlas: AtlasChart, columns: int, depth: Depth) -> Iterator[str]:
     """Yield the lines of a settings map, the highest row first.
 
-    Cells that do not fit side by side are split into blocks below one another. If more than two blocks would
-    be needed, cells show only colours, if they fit.
-
-    Args:
-        atlas: The map to draw.
-        columns: Width in characters.
-        depth: Colours of the terminal.
+    Cells that do not fit are split into blocks below one another. Instead of more than two blocks, cells show
+    only colours, if they fit.
     """
     numbers = _Cells(atlas, depth)
     left = max(cell_len(name) for name in numbers.row_names) + 2
@@ -81,8 +76,6 @@ def atlas_lines(atlas: AtlasChart, columns: int, depth: Depth) -> Iterator[str]:
 
 
 class _Cells:
-    """The cells of a settings map as coloured text."""
-
     def __init__(self, atlas: AtlasChart, depth: Depth) -> None:
         self.atlas = atlas
         self.depth: Depth = depth
@@ -95,7 +88,6 @@ class _Cells:
         """Width of a cell with its number, including one column of space."""
 
     def mark(self, row: int, column: int) -> str:
-        """Return the mark for "best" or "tied with the best", else a blank."""
         if self.atlas.best == (row, column):
             return BEST
         return ALIKE if (row, column) in self.marked else " "
@@ -129,7 +121,7 @@ def _block(cells: _Cells, left: int, shown: Sequence[int]) -> Iterator[str]:
 
 
 def _tints(cells: _Cells, left: int) -> Iterator[str]:
-    """Yield all columns as colours, the names that fit, and the colour scale."""
+    # All columns as colours, the names that fit, and the colour scale
     atlas = cells.atlas
     for row in reversed(range(len(atlas.rows))):
         tints = "".join(cells.tint(row, column) for column in range(len(atlas.columns)))
@@ -161,10 +153,7 @@ _COLOURS_16: Final = ("blue", "yellow", "magenta", "red", "cyan", "green")
 
 
 def print_picture(picture: Picture, *, err: bool = False) -> None:
-    """Print `picture` on stdout, or on stderr if `err`.
-
-    Width, colours and characters suit the terminal.
-    """
+    """Print `picture` in a form that suits the terminal, on stdout or stderr."""
     stream = sys.stderr if err else sys.stdout
     is_terminal = stream.isatty()
     columns = shutil.get_terminal_size().columns if is_terminal else 80
@@ -174,13 +163,9 @@ def print_picture(picture: Picture, *, err: bool = False) -> None:
 
 
 def picture_text(picture: Picture, columns: int, depth: Depth = "none", *, ascii_only: bool = False) -> str:
-    """Return `picture` as text, with escape sequences for colours.
+    """Return `picture` in up to `columns` characters, with escape sequences for colours.
 
-    Args:
-        picture: The picture to draw.
-        columns: Largest width in characters.
-        depth: Colours of the terminal.
-        ascii_only: True to draw each curve with its own letter.
+    With `ascii_only`, each curve has its own letter.
     """
     lines = [picture.title]
     for panel in picture.panels:
@@ -218,10 +203,7 @@ def _chart_lines(chart: Chart, columns: int, depth: Depth, ascii_only: bool) -> 
 
 
 def _cells(chart: Chart, width: int) -> tuple[IntArray, IntArray]:
-    """Return the characters of the plot and the curve of each cell, both [rows, width].
-
-    The curve is −1 for an empty cell.
-    """
+    # Characters and curve (or −1) of each cell, both [rows, width]
     codes = np.full((ROWS, width), 0, dtype=np.int64)
     owners = np.full((ROWS, width), -1, dtype=np.int64)
     for place, curve in enumerate(chart.curves):
@@ -247,7 +229,6 @@ def _dots(chart: Chart, curve: ChartCurve, width: int) -> BoolArray:
 
 
 def _intervals(chart: Chart, curve: ChartCurve, dots: BoolArray) -> BoolArray:
-    """Add to `dots` each point of `curve` and its interval."""
     down, across = dots.shape
     for place, value in enumerate(curve.y):
         if value is None:
@@ -262,16 +243,7 @@ def _intervals(chart: Chart, curve: ChartCurve, dots: BoolArray) -> BoolArray:
 
 
 def _extent(x: FloatArray, y: FloatArray, across: int) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest value of a line in each column of dots.
-
-    Args:
-        x: Shares of the x axis, [points], rising.
-        y: Shares of the y axis, [points].
-        across: Number of columns.
-
-    Returns:
-        Two arrays [across]. Columns without the line hold +∞ and −∞.
-    """
+    # Lowest and highest value in each column, or +∞ and −∞. `x` and `y`, [points], are shares of the axes
     at = (np.arange(across * _SAMPLES) + 0.5) / (across * _SAMPLES)
     half = 0.5 / across  # isolated points and end points need a column too
     inside = (at >= x[0] - half) & (at <= x[-1] + half)
@@ -297,7 +269,7 @@ def _styled_cells(
 
 
 def _names_by_row(chart: Chart) -> dict[int, int]:
-    """Return row → curve index: where each curve is named, near its right end."""
+    # Row → curve index: curves are named near their right end
     ends = []
     for curve in chart.curves:
         values = [value for value in curve.y if value is not None]
@@ -344,15 +316,7 @@ def _coloured(text: str, colour: int, depth: Depth) -> str:
 def print_figure(
     figure: BookFigure, measured: MeasuredFigure, runs: int, *, with_picture: bool, err: bool
 ) -> None:
-    """Print a recomputed figure of the book.
-
-    Args:
-        figure: The figure of the book.
-        measured: Recomputed numbers and picture.
-        runs: Number of runs in each mean.
-        with_picture: True to draw the picture as well.
-        err: True to print on stderr.
-    """
+    """Print a recomputed figure of the book, on stdout or stderr."""
     click.echo(f"{figure.title}\n{BOOK}, {figure.source}\n{_runs(figure, runs)}\n", err=err)
     click.echo(columns([("", "book", "where", "ours", "agrees"), *_rows(measured)]), err=err)
     for note in measured.notes:
@@ -364,8 +328,8 @@ def print_figure(
 
 def _runs(figure: BookFigure, runs: int) -> str:
     if figure.book_runs is None:
-        return f"means of {counted(runs, 'run')}; the book does not say of how many its are"
-    book = "as in the book" if runs == figure.book_runs else f"the book's are of {figure.book_runs:,}"
+        return f"means of {counted(runs, 'run')}; the book does not give its number of runs"
+    book = "as in the book" if runs == figure.book_runs else f"in the book of {figure.book_runs:,}"
     return f"means of {counted(runs, 'run')}, {book}"
 
 

@@ -14,19 +14,14 @@ from rl_tui.worlds.world import World
 MOST_ROWS: Final = 100
 MOST_COLUMNS: Final = 40
 UNKNOWN: Final = "."
-BLANK: Final = "In no state does one action look better than the others."
+BLANK: Final = "All actions look equal in every state."
 
 
 def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
-    """Return a text drawing of a policy.
+    """Return a drawing of the actions in each state; several are a tie.
 
-    An arrow is a move. A letter is the first letter of another action. A dot means that all available actions
-    look equally good. Without a transition table it is unknown which states occur, so outer rows and columns
-    without knowledge are cut off.
-
-    Args:
-        world: The world of the policy.
-        policy: Names of the actions taken in each state; several names are a tie.
+    An arrow is a move, a letter the first letter of another action. A dot means that all available actions
+    look equally good. Without a transition table, outer rows and columns without knowledge are cut off.
     """
     drawing, policy = world.drawing, as_shown(world, policy)
     if isinstance(drawing, Grid) and is_drawn(world):
@@ -38,13 +33,13 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
 
 
 def is_drawn(world: World) -> bool:
-    """Return True if the world has a map that is small enough to draw a policy on."""
+    """Return True if the map is small enough to draw a policy on."""
     drawing = world.drawing
     return isinstance(drawing, Grid) and drawing.rows <= MOST_ROWS and drawing.columns <= MOST_COLUMNS
 
 
 def as_shown(world: World, policy: Sequence[Sequence[str]]) -> list[list[str]]:
-    """Return `policy` with the actions of each state in the order of the screen."""
+    """Return `policy` with actions in the order of the screen."""
     order = [world.space.action_names[action] for action in shown_order(world)]
     return [[name for name in order if name in actions] for actions in policy]
 
@@ -78,7 +73,7 @@ def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
 
 
 def _part(grid: Grid, top: int, bottom: int, left: int, right: int) -> str:
-    """Return which rows and columns are shown, by label if they have labels."""
+    # Rows and columns are shown by label if they have labels
     axes = grid.axes
     labels = axes and (axes.rows[top], axes.rows[bottom], axes.columns[left], axes.columns[right])
     first, last, *across = labels if labels and all(labels) else (top, bottom, left, right)

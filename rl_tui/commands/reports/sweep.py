@@ -26,15 +26,7 @@ _LIKE_BEST: Final = "="
 def sweep_report(
     plan: SweepPlan, store: Store, standings: Standings, bests: Sequence[Document], failed: int
 ) -> str:
-    """Return the report of a sweep: the best cells, and notes on the others.
-
-    Args:
-        plan: What was trained.
-        store: Where the runs are.
-        standings: Ranking of the cells.
-        bests: JSON documents of the best cells, possibly trained again.
-        failed: Number of runs that failed.
-    """
+    """Return the report: the best cells (perhaps trained again), and notes on the others."""
     seeds = f"seeds {plan.first_seed} to {plan.seeds[-1]}" if plan.runs > 1 else f"seed {plan.first_seed}"
     head = f"{plan.scenario.title}: {counted(plan.count, 'cell')}, {counted(plan.runs, 'run')} each, {seeds}"
     parts = [head]
@@ -57,11 +49,7 @@ def sweep_report(
 
 
 def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
-    """Return how much each algorithm gains from its own settings per scenario.
-
-    Returns:
-        The report. Empty if sensitivities are unknown.
-    """
+    """Return how much each algorithm gains from its own settings per scenario, or ""."""
     if not sensitivities:
         return ""
     rows = [("algorithm", "own settings", "in common", "sensitivity", "held out", "best in common")]
@@ -69,8 +57,8 @@ def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
         scores = alike([each[name] for name in ("tuned", "in_common", "value", "held_out")])
         rows.append((each["algorithm"], *scores, _settings(each["common"])))
     said = (
-        "How sensitive an algorithm is to its settings: its mean score with the best ones for each scenario, "
-        "less that with those that are best for all in common; 0 is the random policy, 1 the best one."
+        "Sensitivity: mean score with the best settings of each scenario, minus the mean score with one "
+        "setting for all. A score of 0 is the random policy, 1 the best one."
     )
     return f"{fill(said, WIDTH)}\n\n{columns(rows, right=(1, 2, 3, 4))}"
 
@@ -116,7 +104,6 @@ def _table(
 
 
 def _setting(value: Value) -> str:
-    """Return `value` with at most six digits."""
     return f"{value:.6g}" if isinstance(value, float) else written(value)
 
 
@@ -150,7 +137,8 @@ def _notes(standings: Standings, rankings: Sequence[Ranking], failed: int) -> li
 def _again(plan: SweepPlan, measure: Measure, best: Mapping[str, Any]) -> str:
     again = best["again"]
     mean, low, high = (again[measure.id][name] for name in _means(measure))
-    seeds = f"seeds {again['first_seed']} to {again['first_seed'] + again['runs'] - 1}"
+    first, runs = again["first_seed"], again["runs"]
+    seeds = f"seed {first}" if runs == 1 else f"seeds {first} to {first + runs - 1}"
     settings = _settings({name: best[name] for name in plan.names})
     said = f"The best, {settings}, again on fresh {seeds}: {number(mean)}"
     if low is not None and high is not None:

@@ -33,8 +33,9 @@ LAST: Final = 100
 MOST_NAMES: Final = 8
 MOST_CHANGES: Final = 20
 _NO_RETURN: Final = """\
-such a run
-has no expected return, and at γ = 1 no value at the start, and is left out of that row."""
+such runs
+are left out of the expected return. At γ = 1 they are also left out of the value
+at the start."""
 _WHOLE: Final = ("episodes", "steps")
 _ROWS: Final = (*EXACT, "return_last_100", "length_last_100", "first_reward_episode", "episodes", "steps")
 _BANDIT_ROWS: Final = (
@@ -49,12 +50,7 @@ _BANDIT_ROWS: Final = (
 
 
 def one_run(run: Run, figures: Figures) -> str:
-    """Return the report of one run.
-
-    Args:
-        run: The finished run.
-        figures: Document of ``train --json``.
-    """
+    """Return the report of one run. `figures` is the document of ``train --json``."""
     plans, spent = run.learner.plans, run.bandit
     parts = [_head(run.recipe)]
     if figures.get("journal"):
@@ -94,15 +90,7 @@ def update_in_words(verdict: ProgramVerdict) -> str:
 
 
 def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures, found: str) -> str:
-    """Return the report of one run of a user's own agent.
-
-    Args:
-        world: World in which it learned.
-        mdp: Transition table of the world, or None.
-        title: Title of the scenario.
-        figures: Document of ``train --agent --json``.
-        found: Text about the detected update rule.
-    """
+    """Return the report of a user's own agent. `found` is about its update rule."""
     best = best_expected_return(mdp) if mdp else None
     exact = (
         _greedy_rows(figures, best)
@@ -113,7 +101,7 @@ def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures
     rows = [
         *exact,
         *_last_rows(figures),
-        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first that is not 0"),
+        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first reward other than 0"),
     ]
     drawn = ["", policy_map(world, figures["policy"])] if figures["policy"] else []
     return "\n".join(
@@ -132,12 +120,7 @@ def _no_exact(figures: Figures) -> str:
 
 
 def several_runs(recipe: Recipe, figures: Figures) -> str:
-    """Return the report of several runs.
-
-    Args:
-        recipe: How each run started.
-        figures: Document of ``train --runs --json``.
-    """
+    """Return the report of several runs, from the document of ``train --runs --json``."""
     runs = figures["runs"]
     rows = [("", "mean", "stderr", "min", "max", "runs")]
     for name, title in _summary_titles(runs).items():
@@ -188,7 +171,7 @@ def _rows(run: Run, figures: Figures) -> list[Row]:
     return [
         *(_greedy_rows(figures, best) if mdp else [("exact numbers", "none", why_inexact(run))]),
         *_last_rows(figures),
-        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first that is not 0"),
+        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first reward other than 0"),
     ]
 
 
@@ -226,7 +209,7 @@ def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
         ("its true mean", f"{greedy}, best {best}", "greedy arm, best arm"),
         ("best arm pulled", share, ""),
         ("winnings", winnings, "of the best arm's average"),
-        ("regret", f"{spent.regret:,.1f}", "lost by pulling other arms, by true means"),
+        ("regret", f"{spent.regret:,.1f}", "lost by pulling other arms (true means)"),
         (TITLES["max_error"], number(figures["max_error"]), "max |Q - q*|"),
         (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),
     ]
@@ -237,7 +220,7 @@ def _arms(names: Sequence[str]) -> str:
 
 
 def _last(episodes: int, thing: str = "episode") -> str:
-    """Return ``last N episodes`` with the real number, at most 100."""
+    # "last N episodes" with the real number, at most 100
     number_of = min(episodes, LAST)
     return f"last {thing}" if number_of == 1 else f"last {counted(number_of, thing)}"
 
@@ -251,7 +234,7 @@ def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
             "episodes": "pulls",
         }
         return {name: own.get(name, TITLES[name]) for name in _BANDIT_ROWS}
-    last = _last(most) if fewest == most else f"up to {most} last episodes"
+    last = _last(most) if fewest == most else f"last {most} episodes or fewer"
     own = {"return_last_100": f"return, {last}", "length_last_100": f"length, {last}"}
     return {name: own.get(name, TITLES[name]) for name in _ROWS}
 
@@ -269,20 +252,14 @@ def _head(recipe: Recipe, seeds: str = "") -> str:
 
 
 def _counts(name: str, hyperparameters: Hyperparameters) -> bool:
-    """Return True if the head names the parameter: not the policy, nor a schedule without decay."""
+    # Not the policy, nor a schedule without decay
     if PARAMETERS[name].schedule:
         return hyperparameters.value("epsilon_decay" if name.startswith("epsilon") else "alpha_decay") != 0.0
     return name != "policy"
 
 
 def no_reward(recipe: Recipe, blind: int = 1, runs: int = 1) -> str:
-    """Return a note that runs never saw a reward, with the reason and a suggestion.
-
-    Args:
-        recipe: How the runs started.
-        blind: Number of runs without a reward.
-        runs: Number of all runs.
-    """
+    """Return a note that `blind` of `runs` runs never saw a reward, with a suggestion."""
     who = "This run" if runs == 1 else f"{blind:,} of {runs:,} runs"
     hyperparameters = recipe.hyperparameters
     if hyperparameters.initial_q != 0.0:
@@ -294,4 +271,6 @@ def no_reward(recipe: Recipe, blind: int = 1, runs: int = 1) -> str:
             f"{blank}: all estimates stay equal, and --ties first then\n"
             "always takes the first action, which here leads nowhere. Try --ties random."
         )
-    return f"{blank}. Try more --episodes, a larger --epsilon,\nor an --initial-q above what can be earned."
+    return (
+        f"{blank}. Try more --episodes, a larger --epsilon,\nor an --initial-q above every possible return."
+    )

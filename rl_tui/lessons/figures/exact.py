@@ -93,13 +93,13 @@ def policy_unlimited_return(subject: FigureSubject, policy: _PolicyText, epsilon
 
 
 def soft_return(subject: FigureSubject, planned: object, epsilon: object) -> float:
-    """Return the return of the best policy for exploration `planned`, when it explores with ε."""
+    """Return what the best policy for exploration `planned` returns while exploring with ε."""
     found = _figures(subject, subject.mdp, "soft", epsilon, planned)
     return _there(found.expected_return, "soft_return")
 
 
 def soft_steps(subject: FigureSubject, planned: object, epsilon: object) -> float:
-    """Return the mean steps of the best policy for exploration `planned`, when it explores with ε."""
+    """Return the mean steps of the best policy for exploration `planned` while exploring with ε."""
     return _there(_figures(subject, subject.mdp, "soft", epsilon, planned).steps, "soft_steps")
 
 
@@ -115,7 +115,7 @@ def way_flip(subject: FigureSubject, n: object) -> float:
 
 def _nth(found: tuple[Flip, ...], n: object) -> float:
     if not found:
-        raise FigureError("no γ at which the optimal actions change so", "a world that has some")
+        raise FigureError("this world has no flip point; choose another world")
     return found[whole(n, "n", 1, len(found)) - 1].gamma
 
 
@@ -130,18 +130,18 @@ def first_update_chance(subject: FigureSubject) -> float:
 
 
 def mean_episodes(subject: FigureSubject) -> float:
-    """Return the mean number of episodes until the first changes an estimate."""
+    """Return the mean number of episodes until an estimate changes for the first time."""
     return _there(_wait(subject).mean_episodes, "mean_episodes")
 
 
 def median_episodes(subject: FigureSubject) -> int:
-    """Return the median number of episodes until the first changes an estimate."""
+    """Return the median number of episodes until an estimate changes for the first time."""
     return int(_there(_wait(subject).median_episodes, "median_episodes"))
 
 
 def _there(value: float | None, name: str) -> float:
     if value is None or not np.isfinite(value):
-        raise FigureError(f"no exact value of {name}", "a world and a γ that have one")
+        raise FigureError(f"{name} has no exact value here; choose another world or γ")
     return value
 
 
@@ -172,7 +172,6 @@ def _figures(
 
 
 def _policy(subject: FigureSubject, policy: _PolicyText, planned: float) -> FloatArray:
-    """Return a policy, `[P]`, by its name or by its table."""
     mdp = subject.mdp
     if isinstance(policy, dict):
         return _drawn(subject, policy)
@@ -191,7 +190,6 @@ def _policy(subject: FigureSubject, policy: _PolicyText, planned: float) -> Floa
 
 
 def _drawn(subject: FigureSubject, table: dict[Any, Any]) -> FloatArray:
-    """Return the policy, `[P]`, of a table. `else` is the action in all other states."""
     mdp = subject.mdp
     named = {name_of(state): name_of(action) for state, action in table.items()}
     elsewhere = named.pop(ELSEWHERE, None)

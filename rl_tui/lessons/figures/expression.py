@@ -1,5 +1,6 @@
-"""The expressions of figures: arithmetic with names and calls. Expressions are data from a lesson file,
-parsed by Python and evaluated here node by node. Anything not listed is refused.
+"""The expressions of figures: arithmetic with names and calls.
+
+They are data, parsed by Python and evaluated node by node. Anything not listed is refused.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ Call = Callable[[str, list[Value], dict[str, Value]], Value]
 Look = Callable[[str], Value]
 """Returns the value of a name."""
 
-FORM: Final = "numbers, texts in quotes, names, calls, + − * / ** and brackets"
+FORM: Final = "numbers, strings in quotes, names, calls, + − * / ** and brackets"
 _BINARY: Final[Mapping[type[ast.operator], Callable[[float, float], Any]]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -37,9 +38,9 @@ _BINARY: Final[Mapping[type[ast.operator], Callable[[float, float], Any]]] = {
 
 
 class FigureError(UserError):
-    """A figure that cannot be computed, with the finding and the expectation."""
+    """A figure that cannot be computed, and why."""
 
-    def __init__(self, found: str, expected: str) -> None:
+    def __init__(self, found: str, expected: str = "") -> None:
         self.found, self.expected = found, expected
         super().__init__(complaint(found, expected))
 
@@ -57,7 +58,7 @@ class SeedMean(float):
 
 
 def read_expression(text: str) -> ast.expr:
-    """Parse an expression of bounded size. Raises FigureError."""
+    """Parse a bounded expression. Raises FigureError."""
     plain = text.replace("−", "-").strip()
     try:
         with warnings.catch_warnings(action="ignore"):  # about text that is not Python
@@ -65,20 +66,19 @@ def read_expression(text: str) -> ast.expr:
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise FigureError(shown(text), f"an expression of {FORM}") from error
     if sum(1 for _ in ast.walk(tree)) > MOST_NODES:
-        raise FigureError("a very long expression", f"at most {MOST_NODES} numbers, names and signs")
+        raise FigureError(f"the expression is too long; use at most {MOST_NODES} numbers, names and signs")
     _check(tree, 0)
     return tree
 
 
 def evaluate(tree: ast.expr, look: Look, call: Call) -> Value:
-    """Evaluate `tree` with the names of `look` and the functions of `call`. Raises FigureError."""
+    """Evaluate `tree` with names from `look` and functions from `call`. Raises FigureError."""
     return _Evaluation(look, call).value(tree)
 
 
 def _check(node: ast.expr, depth: int) -> None:
-    """Raise FigureError at an unknown node."""
     if depth > MOST_DEPTH:
-        raise FigureError("brackets within brackets, too deep", f"at most {MOST_DEPTH} within each other")
+        raise FigureError(f"brackets are nested too deeply; use at most {MOST_DEPTH} levels")
     inner: list[ast.expr] = []
     match node:
         case ast.Constant(value=bool() | str()) | ast.Name():
@@ -86,7 +86,7 @@ def _check(node: ast.expr, depth: int) -> None:
         case ast.Constant(value=int() | float() as number) if abs(number) <= LARGEST:
             pass
         case ast.Constant(value=int() | float()):
-            raise FigureError("a number that is too large", f"numbers up to {LARGEST:g}")
+            raise FigureError(f"a number is too large; use numbers up to {LARGEST:g}")
         case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
             inner = [operand]
         case ast.BinOp(op=op, left=left, right=right) if type(op) in _BINARY:
@@ -100,14 +100,12 @@ def _check(node: ast.expr, depth: int) -> None:
         ):
             inner = [*arguments, *(each.value for each in by_name)]
         case _:
-            raise FigureError(shown(ast.unparse(node)), FORM)
+            raise FigureError(f"{shown(ast.unparse(node))} is not possible here; use {FORM}")
     for each in inner:
         _check(each, depth + 1)
 
 
 class _Evaluation:
-    """One evaluation of a checked tree."""
-
     def __init__(self, look: Look, call: Call) -> None:
         self._look = look
         self._call = call
@@ -134,23 +132,23 @@ class _Evaluation:
             case ast.Call(func=ast.Name(id=name), args=arguments, keywords=by_name):
                 named = {each.arg: self.value(each.value) for each in by_name if each.arg is not None}
                 return self._call(name, [self.value(each) for each in arguments], named)
-        raise FigureError(shown(ast.unparse(node)), FORM)  # read_expression accepts nothing else
+        raise FigureError(f"{shown(ast.unparse(node))} is not possible here; use {FORM}")
 
     def _number(self, node: ast.expr) -> float:
         value = self.value(node)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise FigureError(f"{shown(ast.unparse(node))}, which is {shown(value)}", "a number")
+            raise FigureError(f"{shown(ast.unparse(node))} is {shown(value)}; use a number")
         return value if isinstance(value, SeedMean) else float(value)
 
     def _arithmetic(self, op: ast.operator, left: float, right: float) -> float:
         try:
             result = _BINARY[type(op)](left, right)
         except ZeroDivisionError:
-            raise FigureError("a division by 0", "a number other than 0 below the line") from None
+            raise FigureError("division by 0; use another divisor") from None
         except OverflowError:
             result = math.inf
         if not isinstance(result, float) or not math.isfinite(result):
-            raise FigureError("a result that is not a finite number", "numbers whose result can be written")
+            raise FigureError("the result is not a finite number; use other numbers")
         error = _error_of(op, left, right)
         return result if error is None else SeedMean(result, error)
 

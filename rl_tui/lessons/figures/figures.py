@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class FigureFunction:
-    """A function of expressions. `work` takes a FigureSubject first, unless it is mathematical. `more` are
-    further named arguments.
+    """A function of expressions. `work` takes a FigureSubject first, unless mathematical. `more` are further
+    named arguments.
     """
 
     name: str
@@ -64,7 +64,7 @@ def _rows(*functions: Callable[..., Any], more: tuple[str, ...] = ()) -> list[Fi
 
 
 def _meaning(function: Callable[..., Any]) -> str:
-    """Return the description of `function`: the first line of its docstring without "Return"."""
+    """Return the first line of a docstring, which people read, without "Return"."""
     line = (inspect.getdoc(function) or "").partition("\n")[0].removeprefix("Return ")
     return line[:1].upper() + line[1:]
 
@@ -154,7 +154,7 @@ FUNCTIONS: Final[Mapping[str, FigureFunction]] = {
         _plain("sqrt", _sqrt, "The square root."),
         _plain("log", _log, "The natural logarithm."),
         _plain("log10", _log10, "The logarithm to base 10."),
-        _plain("exp", _exp, "The number e to that power."),
+        _plain("exp", _exp, "The number e to the power x."),
         _plain("round", _round, "The number rounded to `digits` decimals."),
     )
 }
@@ -168,15 +168,11 @@ def called(
 ) -> Any:
     """Call a function of expressions. Raises FigureError.
 
-    Args:
-        name: Name of the function.
-        arguments: Positional arguments.
-        by_name: Named arguments. Settings that are not its own change the subject.
-        subject_with: Returns the subject with other settings.
+    Settings among the arguments that are not its own change its subject: `subject_with` returns that.
     """
     row = FUNCTIONS.get(name)
     if row is None:
-        raise FigureError(f"{name}(…)", f"the name of a function{near(name, FUNCTIONS)}")
+        raise FigureError(f"unknown function {name}; use a function of lesson files{near(name, FUNCTIONS)}")
     own = {key: value for key, value in by_name.items() if key in row.arguments}
     others = {key: value for key, value in by_name.items() if key not in row.arguments}
     if not row.needs_subject:
@@ -185,25 +181,25 @@ def called(
     for key in others:
         if plain_name(key) not in known:
             raise FigureError(
-                f"{name}(… {key} = …)",
-                f"an argument of {name}, or a setting{near(key, (*row.arguments, *known))}",
+                f"{name} has no argument {key}; use one of its own, or a setting"
+                f"{near(key, (*row.arguments, *known))}"
             )
     try:
         row.signature.bind(*arguments, **{key: own[key] for key in own if key not in row.more})
     except TypeError as fault:
-        raise FigureError(f"{name}(…): {fault}", f"{name}{row.signature}") from fault
+        raise FigureError(f"{name}: {fault}; write {name}{row.signature}") from fault
     return row.work(subject_with(others), *arguments, **own)
 
 
 def _mathematics(row: FigureFunction, arguments: list[Any], by_name: Mapping[str, Any]) -> float:
     for value in (*arguments, *by_name.values()):
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise FigureError(f"{row.name}({shown(value)})", f"{row.name} of numbers")
+            raise FigureError(f"{row.name} of {shown(value)} is not possible; use numbers")
     try:
         return float(row.work(*(float(each) for each in arguments), **by_name))
     except (TypeError, ValueError, OverflowError) as fault:
         raise FigureError(
-            f"{row.name}(…): {fault}", f"{row.name}{row.signature} of numbers it has a value for"
+            f"{row.name}: {fault}; write {row.name}{row.signature}, with numbers for which it has a value"
         ) from fault
 
 
@@ -217,7 +213,7 @@ OVER_SEEDS: Final = frozenset(
 
 
 class LessonFigures:
-    """Computes the figures of `lesson`, each once, within the `budget` of steps."""
+    """Computes each figure of a lesson once, within the `budget` of steps."""
 
     def __init__(self, lesson: Lesson, budget: StepBudget | None = None) -> None:
         self._lesson = lesson
@@ -229,13 +225,13 @@ class LessonFigures:
         self._under_way: list[str] = []
 
     def value(self, name: str) -> Any:
-        """Return the figure `name`, a number or a text. Raises UserError if it cannot be computed."""
+        """Return a number or a text. Raises UserError without one."""
         if name in self._faults:
             raise self._faults[name]
         if name not in self._values:
             if name in self._under_way:
                 circle = " → ".join([*self._under_way[self._under_way.index(name) :], name])
-                raise FigureError(f"{circle}, a circle", "figures that do not ask for themselves")
+                raise FigureError(f"{circle} is a cycle; a figure must not depend on itself")
             self._under_way.append(name)
             try:
                 with self._budget.of_figure(name):
@@ -244,17 +240,17 @@ class LessonFigures:
                 self._faults[name] = fault
                 raise
             except RecursionError:
-                raise FigureError("figures of figures of figures, too deep", "a shorter way") from None
+                raise FigureError("figures are nested too deeply; use fewer levels") from None
             finally:
                 self._under_way.pop()
         return self._values[name]
 
     def subject_of_page(self, page: str) -> FigureSubject:
-        """Return the subject of the setup on a page. Raises UserError."""
+        """Return the subject of a page's setup. Raises UserError."""
         return subject_of(self._lesson, self._lesson.setup_of(page), {}, self._known, self._budget)
 
     def needs_seeds(self, name: str) -> bool:
-        """Return True if a figure, or one that it uses, needs runs over many seeds."""
+        """Return True if a figure needs many seeds."""
         ahead, seen = [name], {name}
         while ahead:
             try:
@@ -270,16 +266,16 @@ class LessonFigures:
         return False
 
     def finding(self, name: str) -> Finding | None:
-        """Return the error of a figure, or None if its value is right."""
+        """Return the error of a figure, if any."""
         figure = self._lesson.figures[name]
         if plain_name(name) in SETTINGS and figure.by.strip() != name:
-            return Finding(("figures", name), shown(name), f"another name: {name} is already a setting")
+            return Finding(("figures", name), f"{shown(name)} is already a setting; choose another name")
         try:
             exact = self.value(name)
         except FigureError as fault:
             return Finding(("figures", name, "by"), fault.found, fault.expected)
         except UserError as fault:
-            return Finding(("figures", name, "by"), str(fault), "an expression that can be computed")
+            return Finding(("figures", name, "by"), f"cannot be computed: {fault}")
         wrong = _why_wrong(figure.value, exact)
         return None if wrong is None else Finding(("figures", name, "value"), shown(figure.value), wrong)
 
@@ -305,11 +301,10 @@ class LessonFigures:
 
 
 def _why_wrong(value: str, exact: Any) -> str | None:
-    """Return the expected text instead of `value`, or None if it is right."""
     if isinstance(exact, str):
         return None if value == exact else shown(exact)
     if isinstance(exact, bool) or not isinstance(exact, int | float):
-        return f"a figure that is a number or a text; this one is {shown(exact)}"
+        return f"a number or a string, but the expression gives {shown(exact)}"
     written = written_number(value)
     error = exact.error if isinstance(exact, SeedMean) else None
     recomputed = in_digits_of(exact, value) + (
@@ -326,5 +321,5 @@ def _why_error_wrong(written: WrittenNumber, error: float | None, recomputed: st
     if written.error is None:
         return None
     if error is None:
-        return "a number without ±: this one is not a mean over seeds"
+        return "a number without ±, because it is not a mean over seeds"
     return None if written.error.agrees_with(error) else recomputed

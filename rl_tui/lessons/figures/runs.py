@@ -1,4 +1,4 @@
-"""Figures from runs: a single run, a recorded attempt, or runs over many seeds."""
+"""Figures from a single run, a recorded attempt, or runs over many seeds."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def run(
     changes: Sequence[object] = (),
     **arguments: Any,
 ) -> Value:
-    """Return a metric of one run with the setup's seed, after so many steps or episodes."""
+    """Return a metric of one run with the setup's seed, after a number of steps or episodes."""
     goal, journal = _goal(steps, episodes), _journal(subject, changes)
 
     def trained() -> Run:
@@ -91,7 +91,7 @@ def mean(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, *
 def error_of_mean(
     subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any
 ) -> float:
-    """Return the standard error of that mean."""
+    """Return the standard error of `mean`."""
     return mean(subject, measure, seeds, **arguments).error
 
 
@@ -117,7 +117,7 @@ def share(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, 
 
 
 def count(subject: FigureSubject, measure: object, seeds: object, **arguments: Any) -> int:
-    """Return the number of seeds 0, 1, … in which that is true, for these seeds only."""
+    """Return the number of seeds 0, 1, … in which the comparison of `share` is true. `seeds` may be small."""
     return _holding(subject, measure, whole(seeds, "seeds", 1, MOST_SEEDS), arguments)
 
 
@@ -154,10 +154,10 @@ TESTS: Final = tuple(_TESTS)
 
 
 def _holding(subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]) -> int:
-    """Return the number of seeds in which all given tests are true. A missing value fails."""
+    """Count seeds in which all given tests are true. A missing value fails."""
     bounds = {name: arguments.pop(name) for name in TESTS if name in arguments}
     if not bounds:
-        raise FigureError("no test", f"one of {', '.join(TESTS)}")
+        raise FigureError(f"the test is missing; add one of {', '.join(TESTS)}")
     every = _measured(subject, measure, seeds, arguments)
     try:
         return sum(
@@ -166,7 +166,8 @@ def _holding(subject: FigureSubject, measure: object, seeds: int, arguments: dic
         )
     except TypeError as fault:  # a word compared with a number
         raise FigureError(
-            f"{name_of(measure)} compared with {shown(list(bounds.values()))}", "its kind"
+            f"{name_of(measure)} cannot be compared with {shown(list(bounds.values()))}; "
+            "compare numbers with numbers, and words with words"
         ) from fault
 
 
@@ -175,7 +176,8 @@ def _values(subject: FigureSubject, measure: object, seeds: int, arguments: dict
     missing = [seed for seed, value in enumerate(every) if not isinstance(value, int | float)]
     if missing:
         raise FigureError(
-            f"no number of {name_of(measure)} under seed {missing[0]}", "a number under every seed"
+            f"{name_of(measure)} has no number under seed {missing[0]}; "
+            "choose a measure with a number under every seed"
         )
     return [float(value) for value in every if value is not None]
 
@@ -183,7 +185,6 @@ def _values(subject: FigureSubject, measure: object, seeds: int, arguments: dict
 def _measured(
     subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]
 ) -> list[Value | None]:
-    """Return the metric under the seeds 0 to `seeds` − 1."""
     rest = dict(arguments)
     goal = _goal(rest.pop("steps", None), rest.pop("episodes", None))
     journal = _journal(subject, rest.pop("changes", ()))
@@ -202,7 +203,6 @@ def _of_each_seed(
     seeds: int,
     measure: Callable[[Run], Value | None],
 ) -> list[Value | None]:
-    """Return `measure` of the run of each seed, trained on all cores without storing runs."""
     seeded = SeededRuns(subject.with_seed(0), journal)
     with subject.budget.counted(seeded.first, journal, goal, seeds) as watch:
         seeded.get_machine_code(seeds, goal, no_compiling)
@@ -221,7 +221,7 @@ def _name(measure: object) -> str:
 
 def _goal(steps: object, episodes: object) -> Goal:
     if (steps is None) == (episodes is None):
-        raise FigureError("both or neither of steps and episodes", "how far a run goes: one of them")
+        raise FigureError("the length of the run is not clear; give either steps or episodes")
     if steps is not None:
         return Goal(steps=whole(steps, "steps", 0, MOST_STEPS))
     return Goal(episodes=whole(episodes, "episodes", 0, MOST_STEPS))

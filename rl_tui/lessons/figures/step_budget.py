@@ -1,4 +1,4 @@
-"""The limit of steps for all runs in the check of a lesson file."""
+"""The limit of steps in the check of a lesson file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WatchRun = Callable[[Run | BatchedRuns], OnProgress]
 
 
 class StepBudgetError(Exception):
-    """Too many steps, with the requested number and the limit."""
+    """The requested steps, and the limit."""
 
     def __init__(self, found: str, expected: str) -> None:
         self.found, self.expected = found, expected
@@ -37,11 +37,12 @@ class StepBudgetError(Exception):
 
 
 class _SpentError(Exception):
-    """The current runs have exceeded the limit."""
+    pass
 
 
 class StepBudget:
-    """Counts the steps of all runs for one file, and ends runs above the limits for a figure or the file.
+    """Counts the steps of all runs for one file, and ends runs above the limits.
+
     The result depends only on the file, not on time or the order of threads.
     """
 
@@ -55,9 +56,7 @@ class StepBudget:
 
     @contextmanager
     def of_figure(self, name: str) -> Iterator[None]:
-        """Count the runs in this context for a figure. A figure inside another counts for itself. Raises
-        FigureError at too many steps.
-        """
+        """Count runs meanwhile for this figure only. Raises FigureError at too many steps."""
         self._under_way.append(name)
         try:
             yield
@@ -70,20 +69,10 @@ class StepBudget:
     def counted(
         self, first: Run, journal: Sequence[JournalEntry], goal: Goal, runs: int
     ) -> Iterator[WatchRun]:
-        """Count runs like `first`. Failed runs count with all steps of their goal, or with the steps taken
-        for a goal in episodes.
+        """Count runs like `first`, and yield a function that must watch each.
 
-        Args:
-            first: A run with the recipe of all.
-            journal: Changes on the way.
-            goal: End of each run.
-            runs: Number of runs.
-
-        Yields:
-            A function that must watch each run.
-
-        Raises:
-            StepBudgetError: Too many steps. With a goal in steps, it is raised before the first step.
+        Failed runs count with all steps of their goal, or with the steps taken for a goal in episodes. Raises
+        StepBudgetError, for a goal in steps before the first.
         """
         weight, left = _weight(first, journal), self._left
         asked = (goal.steps or 0) * runs * weight
@@ -114,7 +103,7 @@ class StepBudget:
             self._spend(min(total if is_whole else max(asked, total), left))
 
     def charge(self, run: Run, most: int) -> None:
-        """Count at most `most` steps of a finished run. Raises StepBudgetError at too many steps."""
+        """Count at most `most` steps of a finished run. Raises StepBudgetError."""
         asked, left = min(run.step, most) * _weight(run, run.journal), self._left
         refusal = self._refusal(f"{asked:,}")
         self._spend(min(asked, left))
@@ -146,7 +135,7 @@ class StepBudget:
 
 
 def _weight(run: Run, journal: Sequence[JournalEntry]) -> int:
-    """Return the weight of one step of `run`. Each planning step counts as one more."""
+    """Return the weight of one step. Each planning step counts as one more."""
     algorithms, planning = [run.recipe.algorithm], [run.recipe.hyperparameters.planning_steps]
     for entry in journal:
         match entry.change:

@@ -1,4 +1,4 @@
-"""The subject of a figure: a setup of the lesson, with its world and its runs."""
+"""A setup of the lesson, with its world and runs."""
 
 from __future__ import annotations
 
@@ -40,9 +40,7 @@ SETTINGS: Final = ("algorithm", *PARAMETERS)
 
 
 class FigureSubject:
-    """A recipe of the lesson with cached results. All subjects of one check share `known` results and the
-    `budget` of steps.
-    """
+    """A recipe with results that all subjects of a check share."""
 
     def __init__(
         self,
@@ -61,12 +59,12 @@ class FigureSubject:
 
     @property
     def values(self) -> Hyperparameters:
-        """Hyper-parameters of the setup."""
+        """Hyperparameters of the setup."""
         return self.recipe.hyperparameters
 
     @cached_property
     def world(self) -> World:
-        """World of the setup's seed. Raises UserError if it cannot be built."""
+        """World of the seed. Raises UserError without one."""
         key = "world", self.recipe.scenario.text or self.recipe.scenario.id, self.recipe.seed
         if key not in self.known:
             self.known[key] = begin(self.recipe).world
@@ -75,19 +73,19 @@ class FigureSubject:
 
     @cached_property
     def mdp(self) -> TabularMDP:
-        """Table of the world. Raises FigureError if it has none."""
+        """Table of the world. Raises FigureError without one."""
         if self.world.mdp is None:
-            raise FigureError(f"{self.recipe.scenario.id}: {NO_TABLE}", "a world with a transition table")
+            raise FigureError(f"{self.recipe.scenario.id}: {NO_TABLE}; choose a world that has one")
         return self.world.mdp
 
     @cached_property
     def solution(self) -> Solution:
-        """Solution for its γ. Raises UserError if there is none."""
+        """Solution for its γ. Raises UserError without one."""
         return solve(self.mdp, self.values.gamma)
 
     @cached_property
     def returns(self) -> Returns:
-        """Returns of optimal policies. Raises UserError without a solution."""
+        """Returns of optimal policies. Raises UserError."""
         return returns(self.mdp, self.solution)
 
     @cached_property
@@ -100,43 +98,37 @@ class FigureSubject:
         return replace(self.recipe, seed=seed)
 
     def setting(self, name: str) -> float | str:
-        """Return the algorithm, or the value of a hyper-parameter."""
+        """Return the algorithm, or the value of a hyperparameter."""
         return self.recipe.algorithm if name == "algorithm" else self.values.value(plain_name(name))
 
     def state(self, name: object) -> int:
-        """Return the number of the named state. Raises FigureError with similar names."""
+        """Return a state's number. Raises FigureError with similar names."""
         return _place(name_of(name), self.world.space.state_names, "a state of this world")
 
     def action(self, name: object) -> int:
-        """Return the number of the named action. Raises FigureError with similar names."""
+        """Return an action's number. Raises FigureError with similar names."""
         return _place(name_of(name), self.world.space.action_names, "an action of this world")
 
     def pair(self, state: object, action: object) -> int:
-        """Return the pair of the named state and action. Raises FigureError."""
+        """Return the pair of a state and action. Raises FigureError."""
         space = self.world.space
         number = self.state(state)
         pair = space.pair_of(number, self.action(action))
         if pair is None:
             names = ", ".join(space.action_names[space.pair_action[each]] for each in space.pairs_of(number))
-            found = f"{shown(action)} in state {name_of(state)}"
-            raise FigureError(found, f"one of {names}" if names else "a state that is not terminal")
+            if not names:
+                raise FigureError(f"state {name_of(state)} is terminal; choose a state with actions")
+            found = f"{shown(action)} is not available in state {name_of(state)}"
+            raise FigureError(f"{found}; choose one of {names}")
         return pair
 
 
 def subject_of(
     lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: dict[Any, Any], budget: StepBudget
 ) -> FigureSubject:
-    """Return the subject of a setup.
+    """Return the subject of a setup. Raises UserError if a scenario or setting does not fit.
 
-    Args:
-        lesson: Lesson with the setup.
-        setup: Name of the setup.
-        overrides: Another setup or scenario, seed, and settings by name.
-        known: Shared results.
-        budget: Shared limit of steps.
-
-    Raises:
-        UserError: A scenario cannot be found, or a setting does not fit.
+    `overrides` are another setup or scenario, seed, and settings by name.
     """
     others = dict(overrides)
     setup = name_of(others.pop("setup", setup))
@@ -169,12 +161,12 @@ def subject_of(
 
 
 def plain_name(name: str) -> str:
-    """Return the name of a setting, which Python needs as `lambda_`."""
+    """Return a setting's name, which Python needs as `lambda_`."""
     return "lambda" if name == "lambda_" else name
 
 
 def name_of(value: object) -> str:
-    """Return the name given as an argument: a text, or a whole number such as a cell."""
+    """Return a name given as text or whole number."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise FigureError(shown(value), "a name in quotes")
     return str(int(value)) if not isinstance(value, str) and value == int(value) else str(value)
@@ -189,7 +181,7 @@ def whole(value: object, name: str, least: int, most: int) -> int:
 
 
 def share(value: object, name: str) -> float:
-    """Return `value` as a number from 0 to 1. Raises FigureError."""
+    """Return a number from 0 to 1. Raises FigureError."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= 1.0:
         raise FigureError(f"{name} = {shown(value)}", "a number from 0 to 1")
     return float(value)
@@ -210,16 +202,16 @@ ARGUMENTS: Final = ("state", "action", "actions", "first", "last", "at")
 
 
 def measured(run: Run, measure: str, arguments: Mapping[str, Any]) -> Value:
-    """Return a metric of `run` at its current step. Raises FigureError if it has no value."""
+    """Return a metric of `run`. Raises FigureError without a value."""
     condition = _condition(measure, arguments)
     try:
         return MEASURES[measure].of(JudgedMoment(run, run.recipe, Kept()), condition)
     except MissingError as reason:
-        raise FigureError(f"{measure}: {reason}", "a measure that has a value at that step") from reason
+        raise FigureError(f"{measure} has no value at that step: {reason}; choose another") from reason
 
 
 def measuring(measure: str, arguments: Mapping[str, Any]) -> Callable[[Run], Value | None]:
-    """Return a function that measures a run, or returns None without a value. Safe from several threads."""
+    """Return a thread-safe function that measures a run, or returns None."""
     condition = _condition(measure, arguments)
     in_turn, kept = threading.Lock(), Kept()
 
@@ -234,13 +226,12 @@ def measuring(measure: str, arguments: Mapping[str, Any]) -> Callable[[Run], Val
 
 
 def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:
-    """Return a condition with this metric. Its test is irrelevant."""
     row = MEASURES.get(measure)
     if row is None:
         raise FigureError(shown(measure), f"the name of a measure{near(measure, MEASURES)}")
     missing = [name for name in row.needs if name not in arguments]
     if missing:
-        raise FigureError(f"{measure} without {missing[0]}", f"{measure} with {', '.join(row.needs)}")
+        raise FigureError(f"{measure} needs {', '.join(row.needs)}; add {missing[0]}")
     given: dict[str, Any] = dict(arguments)
     for name in ("state", "action", "at"):
         if name in given:
@@ -256,7 +247,7 @@ def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:
     try:
         return Condition.model_validate({"text": measure, "measure": measure, "equals": 0.0, **given})
     except ValueError as fault:
-        raise FigureError(shown(str(arguments)), f"arguments of {measure}") from fault
+        raise FigureError(f"{shown(str(arguments))} are not arguments of {measure}; correct them") from fault
 
 
 # Facts from the transition table
@@ -291,7 +282,7 @@ def time_limit(subject: FigureSubject) -> int:
 def budget(subject: FigureSubject) -> int:
     """Return the budget of a bandit in pulls, or in episodes."""
     if subject.world.budget is None:
-        raise FigureError("a world without a budget", "a bandit")
+        raise FigureError("this world has no budget; choose a bandit")
     return subject.world.budget
 
 
@@ -304,7 +295,8 @@ def reward(subject: FigureSubject, state: object, action: object, next_state: ob
     outcomes = _outcomes(subject, pair, next_state)
     if not len(outcomes):
         raise FigureError(
-            f"{mdp.pair_name(pair)} never leads to {shown(name_of(next_state))}", "where it leads"
+            f"{mdp.pair_name(pair)} never leads to {shown(name_of(next_state))}; "
+            "choose a state to which it leads"
         )
     chances = mdp.probability[outcomes]
     return float(np.dot(chances, mdp.reward[outcomes]) / chances.sum())

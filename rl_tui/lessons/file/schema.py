@@ -41,12 +41,12 @@ _PYTHON_FILE: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*\.py")
 
 
 def is_word(value: object) -> bool:
-    """Return True if a value can name a page, a setup or a figure."""
+    """Return True for names of pages, setups and figures."""
     return isinstance(value, str) and len(value) <= 60 and _WORD.fullmatch(value) is not None
 
 
 def is_file_name(value: object) -> bool:
-    """Return True if a value can name a program file, in any folder."""
+    """Return True for a program file in any folder."""
     return isinstance(value, str) and len(value) <= 60 and _PYTHON_FILE.fullmatch(value) is not None
 
 
@@ -65,13 +65,13 @@ Count = Annotated[int, whole_number(0, MOST_STEPS)]
 Table = Annotated[dict[str, Any], Expect("a table", is_table)]
 Value = Annotated[
     float | str | bool,
-    Expect("a number, a text, true or false", lambda value: isinstance(value, int | float | str)),
+    Expect("a number, a string, true or false", lambda value: isinstance(value, int | float | str)),
 ]
 
 
 class Figure(FileSection):
-    """A number in the texts: `value` as written, and `by`, the expression for it in the world of `setup`
-    (default the first).
+    """A number in the texts: `value` as written, and `by`, its expression in the world of `setup` (default
+    the first).
     """
 
     value: ShortLine
@@ -80,8 +80,9 @@ class Figure(FileSection):
 
 
 class Setup(FileSection):
-    """The start of a run: a scenario by id or file, or a `world` as text. `settings` replace the
-    scenario's algorithm and hyper-parameters. `speed` is in steps per second.
+    """The start of a run: a scenario by id or file, or a `world` as text.
+
+    `settings` replace the scenario's algorithm and hyperparameters. `speed` is in steps per second.
     """
 
     scenario: FileName = ""
@@ -93,12 +94,12 @@ class Setup(FileSection):
     @model_validator(mode="after")
     def _has_one_world(self) -> Setup:
         if bool(self.scenario) == bool(self.world):
-            raise refused("both or neither of scenario and world", "one of them")
+            raise refused("both or neither of scenario and world", "exactly one of them")
         return self
 
 
 class AnswerChoice(FileSection):
-    """A choice with the reply to it."""
+    """A choice with its reply."""
 
     text: Line
     reply: Prose
@@ -106,16 +107,14 @@ class AnswerChoice(FileSection):
 
 
 class WrongAnswer(FileSection):
-    """A known wrong number with the reply that explains it."""
+    """A known wrong number with its reply."""
 
     answer: Number
     reply: Prose
 
 
 class Measured(FileSection):
-    """A metric of a run with its arguments. `at = "start"` refers to the settings of the first step
-    instead of the last.
-    """
+    """A metric with its arguments. `at = "start"` reads the settings of the first step, not the last."""
 
     measure: Word
     state: ShortLine | None = None
@@ -127,9 +126,10 @@ class Measured(FileSection):
 
 
 class Ask(FileSection):
-    """A prediction or question: a number, right within `tolerance`, or several `choices`. For a
-    prediction, the answer is revealed after `steps` further steps with the `keys` on the page. `shows` is
-    a metric of the run at that step, displayed next to it.
+    """A prediction or question: a number, right within `tolerance`, or several `choices`.
+
+    The answer to a prediction is revealed after `steps` further steps with the `keys` on the page. `shows` is
+    a metric of the run at that step.
     """
 
     ask: Prose
@@ -148,13 +148,13 @@ class Ask(FileSection):
         if self.choices and (len(self.choices) < 2 or not any(choice.right for choice in self.choices)):
             raise refused(f"{len(self.choices)} choices", "two or more, one of them with right = true")
         if self.shows is not None and not self.steps:
-            raise refused("shows without steps", "in how many steps it is measured: steps")
+            raise refused("shows without steps", "steps: the number of steps until it is measured")
         if self.keys and not self.steps:
-            raise refused("keys without steps", "how many steps they take to the result: steps")
+            raise refused("keys without steps", "steps: the number of steps until the result")
         return self
 
     def is_right(self, answer: float) -> bool:
-        """Return True if `answer` is right: a number within the tolerance, or the index of a choice."""
+        """Return True if `answer` is right: a number within `tolerance`, or the index of a choice."""
         if self.choices:
             return answer in range(len(self.choices)) and self.choices[int(answer)].right
         rounding = 1e-9 * max(1.0, abs(answer))
@@ -162,9 +162,10 @@ class Ask(FileSection):
 
 
 class Condition(Measured):
-    """A condition of a task: a metric and its bounds. With `seeds`, the run is repeated under that many
-    seeds from 0 with its initial settings, for `episodes` or `steps`. The bounds must then be met in
-    `hold` of them, or by the mean with `mean`.
+    """A metric and its bounds.
+
+    With `seeds`, the run is repeated under that many seeds from 0 with its initial settings, for `episodes`
+    or `steps`. The bounds must then be met in `hold` of them, or by the mean with `mean`.
     """
 
     text: Line
@@ -184,19 +185,20 @@ class Condition(Measured):
     def _asks_something(self) -> Condition:
         bounds = (self.at_least, self.at_most, self.above, self.below, self.equals)
         if all(bound is None for bound in bounds) and not self.one_of:
-            raise refused(
-                shown(self.measure), "what it has to be: at_least, at_most, above, below, equals, one_of"
-            )
+            raise refused(shown(self.measure), "one of at_least, at_most, above, below, equals, one_of")
         if self.seeds and not self.mean and not 0 < self.hold <= self.seeds:
-            raise refused(f"hold = {self.hold}", f"in how many of the {self.seeds} seeds it has to hold")
+            raise refused(
+                f"hold = {self.hold}", f"hold from 1 to {self.seeds}: the number of seeds that must pass"
+            )
         if self.seeds and (self.episodes is None) == (self.steps is None):
-            raise refused("both or neither of episodes and steps", "how far each seed goes")
+            raise refused("both or neither of episodes and steps", "one of them, for the length of each run")
         return self
 
 
 class Attempt(FileSection):
-    """A recorded attempt at a task: settings from the start, changes as for `train --change`, and its
-    length. `claim` means that it was called impossible, and `program` is the submitted code.
+    """A recorded attempt: settings from the start, changes as for `train --change`, and its length.
+
+    `claim` means that the task was called impossible, and `program` is the submitted code.
     """
 
     name: Line
@@ -216,16 +218,17 @@ class ImpossibilityProof(FileSection):
 
 
 class ProgramToWrite(FileSection):
-    """A program for the learner to write: its file name and its initial code."""
+    """A program to write: its file name and initial code."""
 
     file: Annotated[str, Expect("the name of a Python file, such as my_agent.py", is_file_name)]
     skeleton: Annotated[str, markdown(LONGEST_WORLD)]
 
 
 class Task(FileSection):
-    """A task, judged by a replay of the run: all `conditions` at one step. `hints` come one by one, then
-    the `solution`. `accepts` and `rejects` are attempts that must pass and fail. With a `proof` the task
-    is impossible, and saying so is right. With a `program`, the program is watched.
+    """A task, judged by a replay of the run: all `conditions` at one step.
+
+    `hints` come one by one, then the `solution`. `accepts` and `rejects` are attempts that must pass and
+    fail. With a `proof` the task is impossible, and saying so is right. With a `program`, that is watched.
     """
 
     do: Prose
@@ -239,10 +242,11 @@ class Task(FileSection):
 
 
 class Page(FileSection):
-    """A page: a text and at most one prediction, question or task. `setup` begins another run if it
-    differs. `spotlight` is the panel to look at, and `panels` are the visible ones (default those of the
-    page before, or all). `hides` applies until the page is done, when the `explanation` appears. `guess`
-    marks a prediction that cannot be derived, and is not scored.
+    """A text and at most one prediction, question or task.
+
+    `setup` begins another run if it differs. `spotlight` is the panel to look at, and `panels` are the
+    visible ones (default those of the page before, or all). `hides` applies until the page is done, when the
+    `explanation` appears. `guess` marks a prediction that cannot be derived, and is not scored.
     """
 
     id: Word
@@ -270,23 +274,24 @@ class Page(FileSection):
         if len(asked) > 1:
             raise refused(" and ".join(asked), "at most one of them on a page")
         if self.question is not None and self.question.shows is not None:
-            raise refused("a question that shows a measure", "a prediction: a question waits for no step")
+            raise refused(
+                "a question that shows a measure", "a prediction, because a question does not wait for steps"
+            )
         if self.guess and self.prediction is None:
             raise refused("guess without a prediction", "a prediction, or no guess")
         return self
 
     @property
     def asked(self) -> Ask | None:
-        """The prediction or the question, or None."""
+        """The prediction or question, if any."""
         return self.prediction or self.question
 
 
 class LessonFile(FileSection):
     """A lesson file.
 
-    `order` is its position among lessons, `minutes` its approximate duration. `core` marks the lessons of the
-    core course. `variants` lists the values for each name. For a variant, `${name}` is replaced by the value
-    at its position.
+    `order` is its position, `minutes` its duration, and `core` marks the core course. `variants` lists the
+    values for each name: `${name}` is replaced by the value at the variant's position.
     """
 
     title: ShortLine

@@ -1,4 +1,4 @@
-"""Errors in a well-formed task: unknown names, and keys that do not fit together."""
+"""Unknown names in a task, and keys that do not fit together."""
 
 from __future__ import annotations
 
@@ -25,21 +25,23 @@ _OF_SEEDS: Final = ("hold", "mean", "episodes", "steps")
 
 
 def task_findings(task: Task) -> Iterator[Finding]:
-    """Yield errors in the conditions and attempts of `task`, without its world."""
+    """Yield errors in conditions and attempts, without the world."""
     watches = task.program is not None
     for number, condition in enumerate(task.conditions):
         yield from (each.inside("conditions", number) for each in condition_findings(condition))
         measure = MEASURES.get(condition.measure)
         if measure is not None and (measure.of_program is not None) != watches:
-            expected = f"a measure of {'the program' if watches else 'the run: the task has no program'}"
-            yield Finding(("conditions", number, "measure"), shown(measure.name), expected)
+            found = (
+                f"{measure.name} is not a measure of {'a program' if watches else 'a run'}; choose another"
+            )
+            yield Finding(("conditions", number, "measure"), found)
     for name, attempts in (("accepts", task.accepts), ("rejects", task.rejects)):
         for number, attempt in enumerate(attempts):
             yield from (each.inside(name, number) for each in attempt_findings(attempt))
 
 
 def setting_findings(settings: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield settings that are unknown or have a wrong value."""
+    """Yield unknown settings and wrong values."""
     for name, value in settings.items():
         finding = _setting_finding(name, value)
         if finding is not None:
@@ -47,20 +49,20 @@ def setting_findings(settings: Mapping[str, Any]) -> Iterator[Finding]:
 
 
 def attempt_findings(attempt: Attempt) -> Iterator[Finding]:
-    """Yield settings and changes of `attempt` that are impossible."""
+    """Yield impossible settings and changes."""
     yield from (each.inside("settings") for each in setting_findings(attempt.settings))
     if attempt.steps is not None and attempt.episodes is not None:
-        yield Finding(("episodes",), shown(attempt.episodes), "either steps or episodes, not both")
+        yield Finding(("episodes",), "steps and episodes are both set; keep one of them")
     for number, change in enumerate(attempt.changes):
         try:
             read_change(change)
         except ValueError as fault:
             why = str(fault).removeprefix(shown(change)).removeprefix(":").strip()
-            yield Finding(("changes", number), shown(change), f"a possible change: {why}")
+            yield Finding(("changes", number), f"{shown(change)}: {why}")
 
 
 def prediction_findings(ask: Ask) -> Iterator[Finding]:
-    """Yield errors in the metric that a prediction shows, without its world."""
+    """Yield errors in the metric that a prediction shows."""
     if ask.shows is None:
         return
     yield from (each.inside("shows") for each in _measure_findings(ask.shows))
@@ -68,10 +70,10 @@ def prediction_findings(ask: Ask) -> Iterator[Finding]:
     if measure is None:
         return
     if measure.of_program is not None:
-        yield Finding(("shows", "measure"), shown(measure.name), "a measure of the run")
+        yield Finding(("shows", "measure"), f"{measure.name} is not a measure of a run; choose another")
     elif ask.answer is not None and measure.gives not in (Gives.NUMBER, Gives.EITHER):
-        expected = f"a measure that is a number, as the answer is: {measure.name} is {measure.gives}"
-        yield Finding(("shows", "measure"), shown(measure.name), expected)
+        found = f"{measure.name} is {measure.gives}, but the answer is a number; choose another measure"
+        yield Finding(("shows", "measure"), found)
 
 
 def condition_findings(condition: Condition) -> Iterator[Finding]:
@@ -91,8 +93,7 @@ def _measure_findings(measured: Measured) -> Iterator[Finding]:
         return
     yield from _argument_findings(measured, measure)
     if measured.at == "start" and measure.kind is not MeasureKind.SETTING:
-        expected = f"no at: {measure.name} is not a setting"
-        yield Finding(("at",), shown(measured.at), expected)
+        yield Finding(("at",), f"at works only with a setting, unlike {measure.name}; leave out at")
 
 
 def _near_measure(name: str) -> str:
@@ -100,15 +101,14 @@ def _near_measure(name: str) -> str:
 
 
 def _argument_findings(condition: Measured, measure: TaskMeasure) -> Iterator[Finding]:
-    takes = " and ".join(measure.needs) or "none of them"
+    takes = " and ".join(measure.needs) or "no arguments"
     for name in ARGUMENTS:
         value = getattr(condition, name)
         is_given = name in condition.model_fields_set
         if name in measure.needs and not is_given:
-            yield Finding((name,), "nothing", f"{name}: the measure {measure.name} needs {takes}")
+            yield Finding((name,), f"missing; add {name}, because the measure {measure.name} needs {takes}")
         elif is_given and name not in measure.needs:
-            found = shown(list(value) if isinstance(value, tuple) else value)
-            yield Finding((name,), found, f"no {name}: the measure {measure.name} needs {takes}")
+            yield Finding((name,), f"the measure {measure.name} takes {takes}; leave out {name}")
         elif name == "actions" and is_given and len(value) != 2:
             yield Finding((name,), shown(list(value)), "a list of two actions")
     first, last = condition.first, condition.last
@@ -120,12 +120,11 @@ def _argument_findings(condition: Measured, measure: TaskMeasure) -> Iterator[Fi
 
 
 def _wanted_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Finding]:
-    """Yield values that `measure` cannot have."""
     if measure.gives in (Gives.TEXT, Gives.TRUTH):
         for name in _BOUNDS:
             if getattr(condition, name) is not None:
-                expected = f"equals or one_of: {measure.name} is {measure.gives}"
-                yield Finding((name,), shown(getattr(condition, name)), expected)
+                found = f"{measure.name} is {measure.gives}; use equals or one_of instead of {name}"
+                yield Finding((name,), found)
     wanted = {} if condition.equals is None else {("equals",): condition.equals}
     for place, value in [*wanted.items(), *((("one_of", n), v) for n, v in enumerate(condition.one_of))]:
         expected = _refused(measure, value)
@@ -134,7 +133,6 @@ def _wanted_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Fin
 
 
 def _refused(measure: TaskMeasure, value: float | str | bool) -> str:
-    """Return the possible values of `measure` instead of `value`, or "" if it is possible."""
     if measure.kind is MeasureKind.SETTING:
         finding = _setting_finding(measure.name, value)
         return "" if finding is None else finding.expected
@@ -148,17 +146,15 @@ def _refused(measure: TaskMeasure, value: float | str | bool) -> str:
 
 
 def _seed_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Finding]:
-    """Yield keys that do not fit with seeds, or without them."""
     if not condition.seeds:
         for name in _OF_SEEDS:
             if name in condition.model_fields_set:
-                yield Finding((name,), shown(getattr(condition, name)), f"no {name}, or a number of seeds")
+                yield Finding((name,), f"{name} works only with seeds; add seeds, or leave out {name}")
         return
     if not measure.differs_by_seed:
-        expected = f"no seeds: {measure.name} is the same in all of them"
-        yield Finding(("seeds",), shown(condition.seeds), expected)
+        yield Finding(("seeds",), f"{measure.name} is the same for every seed; leave out seeds")
     if condition.mean and measure.gives is not Gives.NUMBER:
-        yield Finding(("mean",), "true", f"no mean: {measure.name} is {measure.gives}")
+        yield Finding(("mean",), f"{measure.name} is {measure.gives}, which has no mean; leave out mean")
     if condition.steps is not None and not 1 <= condition.steps <= MOST_STEPS_OF_A_SEED:
         yield Finding(("steps",), shown(condition.steps), f"1 to {MOST_STEPS_OF_A_SEED:,} steps of each seed")
     if condition.episodes is not None and not 1 <= condition.episodes <= MOST_STEPS_OF_A_SEED:
@@ -173,7 +169,6 @@ def _setting_finding(name: str, value: object) -> Finding | None:
         return None if known else Finding((name,), shown(value), expected)
     if name not in PARAMETERS:
         names = (ALGORITHM, *PARAMETERS)
-        expected = f"algorithm or a hyper-parameter{near(name, names)}"
-        return Finding((name,), "an unknown setting", expected)
+        return Finding((name,), f"unknown setting; use algorithm or a hyperparameter{near(name, names)}")
     parameter = PARAMETERS[name]
     return None if parameter.accepts(value) else Finding((name,), shown(value), parameter.expected)

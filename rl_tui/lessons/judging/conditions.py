@@ -31,17 +31,9 @@ class JudgedTask:
 
 
 def judged_task(lesson: Lesson, page: str, seed: int | None = None) -> JudgedTask:
-    """Return the task of a page.
+    """Return the task of a page. `seed` replaces the setup's.
 
-    Args:
-        lesson: The lesson.
-        page: Id of the page.
-        seed: Seed instead of the setup's, if given.
-
-    Raises:
-        KeyError: There is no such page.
-        ValueError: The page has no task.
-        UserError: The setup cannot be played.
+    Raises KeyError without the page, ValueError without a task, UserError if the setup cannot be played.
     """
     task = lesson.page(page).task
     if task is None:
@@ -53,11 +45,7 @@ def judged_task(lesson: Lesson, page: str, seed: int | None = None) -> JudgedTas
 def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = None) -> TaskView:
     """Judge a task at the current step of `run`, as a replay to this step would.
 
-    Args:
-        judged: The task.
-        run: Run of the learner.
-        panels: Decides conditions over many seeds, once all others are met.
-        kept: Cache for repeated verdicts on a run.
+    `panels` decides conditions over many seeds, once all others are met. `kept` caches between verdicts.
     """
     from rl_tui.lessons.judging.moment import JudgedMoment, Kept
 
@@ -73,7 +61,7 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
     if by_seeds:
         spoilt = _spoilt(moment)
         if not run.step:
-            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "no step is taken yet"))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "no step has been taken yet"))
         elif spoilt:
             verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(False, spoilt))
         elif all(each.holds for each in verdicts.values()):
@@ -93,8 +81,9 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
 
 
 def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
-    """Check `condition` at `moment`, ignoring its seeds. A condition about a step is unknown before the
-    first one, and one about the end of an episode is unknown before an end.
+    """Check `condition` at `moment`, ignoring its seeds.
+
+    It may be unknown before the first step, or before the first end of an episode.
     """
     try:
         value = MEASURES[condition.measure].of(moment, condition)
@@ -108,13 +97,7 @@ def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
 
 
 def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> TaskView:
-    """Judge a task that needs a program.
-
-    Args:
-        judged: The task.
-        program: Code of the program.
-        seen: Result of watching it.
-    """
+    """Judge a task by a watched program."""
     conditions = judged.task.conditions
     verdicts = program_verdicts(conditions, seen)
     views = (ConditionView(each.text, *one) for each, one in zip(conditions, verdicts, strict=True))
@@ -132,7 +115,7 @@ def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list
 
 
 def remarks_on(seen: SeenProgram) -> tuple[str, ...]:
-    """Return remarks about a program, its error first."""
+    """Return remarks, the error first."""
     return (seen.error, *seen.remarks) if seen.error else seen.remarks
 
 
@@ -143,12 +126,12 @@ def _of_program(condition: Condition, seen: SeenProgram) -> ConditionVerdict:
     except MissingError as reason:
         return ConditionVerdict(False, str(reason))
     if value is None:
-        return ConditionVerdict(False, "this is not measured of a program")
+        return ConditionVerdict(False, "a program has no such measure")
     return ConditionVerdict(is_met(condition, value), found_in_words(condition, value))
 
 
 def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
-    """Return the reason why a run of `recipe` does not fit the task, or ""."""
+    """Return why a run does not fit the task, or ""."""
     from rl_tui.lessons.judging.moment import Kept
 
     if not (kept or Kept()).is_same_world(setup.scenario, recipe.scenario):
@@ -159,8 +142,7 @@ def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
 
 
 def _spoilt(moment: JudgedMoment) -> str:
-    """Return the reason why no condition over seeds can be met, or ""."""
     journal = moment.journal
     if journal.taken:
-        return "you took steps yourself on the way: r r starts again"
-    return "" if journal.is_as_begun else "you changed settings on the way: r r starts again"
+        return "you took steps yourself during this run: r r starts again"
+    return "" if journal.is_as_begun else "you changed settings during this run: r r starts again"

@@ -1,4 +1,4 @@
-"""The judge of the open page, beside a live run. It reaches the same verdict as a replay of the run."""
+"""The judge beside a live run, which reaches the same verdict as a replay."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _TELLS_EVERY: Final = 0.25  # seconds
 
 @dataclass(frozen=True, slots=True)
 class ProgramTask:
-    """A program file with the `conditions` to check."""
+    """A program file with its `conditions`."""
 
     path: Path
     conditions: tuple[Condition, ...]
@@ -51,7 +51,7 @@ class ProgramTask:
 
 @dataclass(frozen=True, slots=True)
 class FoundProgram:
-    """The state of a watched program: `progress`, finally `verdicts`, or a `fault`."""
+    """A watched program: `progress`, finally `verdicts`, or a `fault`."""
 
     progress: str = "it begins"
     fault: str = ""
@@ -63,8 +63,10 @@ class FoundProgram:
 
 
 class LiveProgram:
-    """Watches and judges a program in a background process. `on_news` is called from any thread when there
-    is news. With `automatic` off, `begin` watches it to its end, so that results do not depend on timing.
+    """Watches and judges a program in a background process.
+
+    `on_news` is called from any thread. Without `automatic`, `begin` watches it to its end, so that results
+    do not depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -74,7 +76,7 @@ class LiveProgram:
         self._name = ""
 
     def begin(self, path: Path, judged: JudgedTask) -> None:
-        """Watch the program in the file `path` for a task, replacing any other."""
+        """Watch the program in `path`, replacing any other."""
         self.end()
         task = ProgramTask(path, judged.task.conditions)
         self._name = path.name
@@ -84,10 +86,10 @@ class LiveProgram:
         try:
             self._background.begin(task, FoundProgram())
         except OSError as error:
-            self._found = FoundProgram(fault=f"no process can be started to watch it ({error})")
+            self._found = FoundProgram(fault=f"cannot start a process to watch it ({error})")
 
     def view(self, judged: JudgedTask, *, has_passed: bool) -> TaskView:
-        """Return the state of the task. `has_passed` is True if a program has passed before."""
+        """Return the task's state, after a program `has_passed` or not."""
         conditions, process = judged.task.conditions, self._background.process
         found = self._found if process is None else process.known
         if found.verdicts is not None:
@@ -117,12 +119,12 @@ class LiveProgram:
         self._found = FoundProgram()
 
     def close(self) -> None:
-        """Stop it, and begin no other. Safe from any thread."""
+        """Stop it, and begin no other, from any thread."""
         self._background.close()
 
 
 def work(task: ProgramTask, tell: Callable[[FoundProgram, float], None]) -> None:
-    """Watch and judge a program, reporting its steps. This is the work of a background process."""
+    """Watch and judge a program in a background process."""
     bound_processor_time(_MOST_SECONDS)
     last = 0.0
 
@@ -138,7 +140,7 @@ def work(task: ProgramTask, tell: Callable[[FoundProgram, float], None]) -> None
 def judged_file(
     task: ProgramTask, on_steps: Callable[[int, int], None] = lambda steps, episodes: None
 ) -> FoundProgram:
-    """Judge the program of `task`. `on_steps` is called with steps and episodes as they arrive."""
+    """Judge a program. `on_steps` receives steps and episodes."""
     from rl_tui.common.errors import UserError
     from rl_tui.lessons.judging.conditions import program_verdicts, remarks_on
     from rl_tui.lessons.judging.seen_program import read_code, watched_code
@@ -167,7 +169,8 @@ class _Known(NamedTuple):
 
 
 class InRun:
-    """Computes the metric at that step, from the run when it gets there, or from a replay of its branch.
+    """Computes a metric at a step, from the run or from a replay.
+
     The result is cached until the run reaches the step in another way.
     """
 
@@ -175,9 +178,7 @@ class InRun:
         self._known: _Known | None = None
 
     def of(self, record: LessonRecord, run: Run, kept: Kept) -> Value | None:
-        """Return the metric or the reason why it has no value. None if it is not due, unknown or not
-        requested.
-        """
+        """Return the metric, why it has no value, or None if it is not due or requested."""
         ask, given = record.lesson.page(record.page).prediction, record.given_on(record.page)
         if ask is None or ask.shows is None or given is None or given.step == NO_STEP:
             return None
@@ -227,9 +228,10 @@ _PANEL_WORK: Final = "rl_tui.lessons.judging.seed_panel:work"
 
 
 class LivePanels:
-    """Computes conditions over seeds in a background process, and caches results, also of some seeds only.
-    `on_news` is called from any thread when there is news. With `automatic` off, `of` computes them, so
-    that results do not depend on timing.
+    """Computes conditions over seeds in a background process, and caches results.
+
+    `on_news` is called from any thread. Without `automatic`, `of` computes them, so that results do not
+    depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -238,7 +240,7 @@ class LivePanels:
         self._known = KnownPanels()
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return the known verdicts on `conditions` for runs of `recipe`, and compute the others."""
+        """Return the known verdicts, and compute the others."""
         found = self._known.of(recipe, conditions)
         if found is not None:
             return found
@@ -248,7 +250,7 @@ class LivePanels:
         if process is None or not same_panel(*_panel(process), recipe, conditions):
             process = self._begin(recipe, conditions)
         if process is None:
-            return [ConditionVerdict(None, "no process can be started to work it out")] * len(conditions)
+            return [ConditionVerdict(None, "cannot start a process for the computation")] * len(conditions)
         verdicts = process.known.verdicts
         if verdicts is not None:
             self._known.keep(recipe, conditions, verdicts)
@@ -257,7 +259,7 @@ class LivePanels:
 
     @property
     def waits(self) -> str:
-        """Progress of the current seeds with the time left, or ""."""
+        """Progress with the time left, or ""."""
         process = self._background.process
         if process is None or (known := process.known).verdicts is not None or process.failed:
             return ""
@@ -266,7 +268,7 @@ class LivePanels:
         return " · ".join(filter(None, (f"judging: {said}", process.how_long)))
 
     def end(self) -> None:
-        """Stop the computation. Results are cached, so that it can continue."""
+        """Stop. Cached results let it continue."""
         process = self._background.process
         self._background.end()
         if process is not None and (verdicts := process.known.verdicts) is not None:
@@ -275,7 +277,7 @@ class LivePanels:
             self._known.keep_seeds(*_panel(process), process.known.seeds)
 
     def close(self) -> None:
-        """Stop it, and begin no other. Safe from any thread."""
+        """Stop it, and begin no other, from any thread."""
         self._background.close()
 
     def _worked_out_here(
@@ -307,9 +309,10 @@ def _panel(process: _Process) -> tuple[Recipe, tuple[Condition, ...]]:
 
 
 class TaskJudge:
-    """Judges the open page's task at each snapshot. Once all conditions are met at a judged step, the task
-    stays passed with this evidence, also while seeds are pending. `on_news` is called when a slow result
-    is known. With `automatic` off, no answer depends on timing.
+    """Judges the open page's task at each snapshot.
+
+    Once all conditions are met at a judged step, the task stays passed with this evidence, also while seeds
+    are pending. `on_news` is called for slow results. Without `automatic`, no answer depends on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -327,14 +330,14 @@ class TaskJudge:
         self._awaited: tuple[Passed, Recipe] | None = None  # with the settings of its first step
 
     def view(self, record: LessonRecord, run: Run) -> LessonView:
-        """Return the state of the lesson next to `run` at this step."""
+        """Return the lesson's state next to `run`."""
         kept = self._kept = self._kept or self._new_kept()
         kept.journal.read(run.recipe, run.journal, run.step, run.world.space.action_names)
         task, digest = self._task(record, run, kept), kept.journal.digest
         return LessonView(record, task, digest, self._in_run.of(record, run, kept))
 
     def watch(self, record: LessonRecord, path: Path) -> None:
-        """Watch the program in the file `path`, if the open page's task needs one."""
+        """Watch the program in `path`, if the open page needs one."""
         task = record.lesson.page(record.page).task
         if task is None or task.program is None:
             return
@@ -343,7 +346,7 @@ class TaskJudge:
             self._program.begin(path, self._judged)
 
     def close(self) -> None:
-        """Stop background processes. Safe from any thread."""
+        """Stop background processes, from any thread."""
         self._panels.close()
         self._program.close()
 
@@ -375,7 +378,6 @@ class TaskJudge:
         return replace(view, passed=self._passed)
 
     def _with_awaited(self, view: TaskView, task: Task, evidence: Passed, start: Recipe) -> TaskView:
-        """Return `view` of a run that has moved on, with the results of seeds requested before."""
         found = self._panels.of(start, tuple(each for each in task.conditions if each.seeds))
         if all(each.holds for each in found):
             self._passed = evidence

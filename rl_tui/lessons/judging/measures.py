@@ -1,4 +1,4 @@
-"""The table of metrics for the conditions of tasks."""
+"""The metrics for the conditions of tasks."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ Value = float | str | bool
 
 
 class MissingError(Exception):
-    """A metric has no value at this moment, with the reason."""
+    """The reason why a metric has no value now."""
 
 
 class NoMomentError(MissingError):
-    """A metric has no value yet, or no longer, with the reason."""
+    """A metric has no value yet, or no longer."""
 
 
 class NoStepError(NoMomentError):
     """A metric has no value before the first step."""
 
     def __init__(self) -> None:
-        super().__init__("no step is taken yet")
+        super().__init__("no step has been taken yet")
 
 
 class NotYetError(Exception):
@@ -45,11 +45,11 @@ class MeasureKind(StrEnum):
 
     SETTING = "settings"
     COUNT = "counts"
-    EPISODE = "the episode that ended with this very step"
+    EPISODE = "the episode that ended with this step"
     LAST_STEP = "the last step"
     LEARNED = "what was learned"
     EXACT = "exact numbers"
-    RECORD = "the record of all episodes"
+    RECORD = "all finished episodes"
     PROGRAM = "a program that was watched"
 
 
@@ -57,16 +57,17 @@ class Gives(StrEnum):
     """The type of a metric's values."""
 
     NUMBER = "a number"
-    TEXT = "a text"
-    EITHER = "a number or a text"
+    TEXT = "a string"
+    EITHER = "a number or a string"
     TRUTH = "true or false"
 
 
 @dataclass(frozen=True, slots=True)
 class TaskMeasure:
-    """A metric, computed by `of`. `needs` are its arguments, all required. `accepts` lists the words that
-    it may be, empty for any. `differs_by_seed` is True if it makes sense over many seeds. `of_program`
-    measures a program instead of a run.
+    """A metric, computed by `of`, with required arguments `needs`.
+
+    `accepts` lists its possible words, empty for any. `differs_by_seed` is True if many seeds make sense.
+    `of_program` measures a program instead of a run.
     """
 
     name: str
@@ -85,7 +86,7 @@ ARGUMENTS: Final = ("state", "action", "actions", "first", "last")
 
 
 def settings_of(recipe: Recipe) -> dict[str, float | str]:
-    """Return all settings of `recipe` by name."""
+    """Return all settings by name."""
     hyperparameters = recipe.hyperparameters
     values = {name: hyperparameters.value(name) for name in PARAMETERS}
     if hyperparameters.sample_average:
@@ -134,7 +135,7 @@ def _counts() -> Iterable[TaskMeasure]:
     yield of_a_person("taken", "steps taken by a person", lambda m, c: m.journal.taken)
     yield of_a_person("changes", "settings changed after the first step", lambda m, c: m.journal.changes)
     yield of_a_person(
-        "changed_settings", "settings of the first step that differ from the setup's", _changed_settings
+        "changed_settings", "settings at the first step that differ from the setup", _changed_settings
     )
     yield of_a_person("seed", "the seed of the run", lambda m, c: m.run.recipe.seed)
 
@@ -151,7 +152,7 @@ def _ended(moment: JudgedMoment, condition: Measured) -> str:
 
 def _td_error(moment: JudgedMoment, condition: Measured) -> float:
     if not moment.last.learned:
-        raise MissingError("nothing was learned with this step")
+        raise MissingError("nothing was learned in this step")
     return moment.last.td_error
 
 
@@ -170,11 +171,13 @@ def _steps() -> Iterable[TaskMeasure]:
     text, ends = Gives.TEXT, ("terminated", "truncated")
     yield TaskMeasure("episode_return", "its undiscounted return", episode, lambda m, c: m.last_episode[0])
     yield TaskMeasure("episode_length", "its length in steps", episode, lambda m, c: m.last_episode[1])
-    yield TaskMeasure("episode_by_agent", "the steps that no person took", episode, _by_agent)
+    yield TaskMeasure("episode_by_agent", "how many of its steps the agent took, not you", episode, _by_agent)
     yield TaskMeasure("episode_ended", "how it ended", episode, _episode_ended, gives=text, accepts=ends)
-    yield TaskMeasure("reward", "its reward", last, _reward)
-    yield TaskMeasure("td_error", "its TD error", last, _td_error)
-    yield TaskMeasure("ended", "whether it ended an episode", last, _ended, gives=text, accepts=(*ends, "no"))
+    yield TaskMeasure("reward", "reward of the step", last, _reward)
+    yield TaskMeasure("td_error", "TD error of the step", last, _td_error)
+    yield TaskMeasure(
+        "ended", "whether the step ended an episode, and how", last, _ended, gives=text, accepts=(*ends, "no")
+    )
 
 
 def _q(moment: JudgedMoment, condition: Measured) -> float:
@@ -229,14 +232,18 @@ def _learned() -> Iterable[TaskMeasure]:
     yield row("value", "the largest estimate of a state (for a planner its V)", _value, "state")
     yield row("gap", "|Q(a) − Q(b)| of two actions", _gap, "state", "actions")
     yield row("policy_in", "the greedy actions of a state", _policy_in, "state", gives=Gives.TEXT)
-    yield row("visits", "how often a pair was updated or taken", _visits, *pair)
-    yield row("pairs_visited", "pairs that were", lambda m, c: _visited(m))
-    yield row("pairs_unvisited", "pairs that were not", lambda m, c: m.run.world.space.pairs - _visited(m))
-    yield row("pairs", "pairs of state and action", lambda m, c: m.run.world.space.pairs)
-    yield row("states", "states of the world", lambda m, c: m.run.world.space.states)
+    yield row("visits", "number of visits of a pair, or of its updates", _visits, *pair)
+    yield row("pairs_visited", "number of pairs with a visit", lambda m, c: _visited(m))
+    yield row(
+        "pairs_unvisited",
+        "number of pairs without a visit",
+        lambda m, c: m.run.world.space.pairs - _visited(m),
+    )
+    yield row("pairs", "number of state–action pairs", lambda m, c: m.run.world.space.pairs)
+    yield row("states", "number of states of the world", lambda m, c: m.run.world.space.states)
     yield row(
         "converged",
-        "whether a planner is done",
+        "whether a planner has converged",
         lambda m, c: m.run.learner.came_to_rest,
         gives=Gives.TRUTH,
     )
@@ -265,9 +272,13 @@ def _exact() -> Iterable[TaskMeasure]:
     ) -> TaskMeasure:
         return TaskMeasure(name, text, MeasureKind.EXACT, of, needs, gives)
 
-    yield row("expected_return", "what the greedy policy earns, undiscounted", lambda m, c: m.expected_return)
-    yield row("greedy_ends", "the chance that its episode ends", lambda m, c: m.greedy_ends)
-    yield row("value_at_start", "its value at the start", lambda m, c: m.value_at_start)
+    yield row(
+        "expected_return", "the undiscounted return of the greedy policy", lambda m, c: m.expected_return
+    )
+    yield row(
+        "greedy_ends", "the probability that an episode of the greedy policy ends", lambda m, c: m.greedy_ends
+    )
+    yield row("value_at_start", "the value of the greedy policy at the start", lambda m, c: m.value_at_start)
     yield row("max_error", "max |Q − Q*|", _max_error)
     yield row("optimal_value", "V* of a state", _optimal_value, "state")
     yield row(
@@ -276,20 +287,19 @@ def _exact() -> Iterable[TaskMeasure]:
 
 
 _NOT_YET: Final = {
-    "first_reward_episode": "there was no reward yet",
-    "best_arm_rate": "no arm is pulled yet",
+    "first_reward_episode": "there has been no reward yet",
+    "best_arm_rate": "no arm has been pulled yet",
 }
 """Reasons why recorded metrics have no value yet, if it is not a missing episode."""
 
 
 def _recorded(moment: JudgedMoment, condition: Measured) -> float:
-    """Return the value that `train --json` prints under this name."""
     name, run = condition.measure, measured_run(moment.run)
     if name in BANDIT_FIGURES and run.bandit is None:
         raise MissingError("this world is not a bandit")
     value = RUN_MEASURES[name].of(run)
     if value is None:
-        raise NoMomentError(_NOT_YET.get(name, "no episode is finished yet"))
+        raise NoMomentError(_NOT_YET.get(name, "no episode has finished yet"))
     return value
 
 
@@ -309,11 +319,11 @@ def _record() -> Iterable[TaskMeasure]:
     yield row("length_last_100", "mean length of the last 100 episodes")
     yield row("return_mean", "mean return of all episodes")
     yield row("first_reward_episode", "the first episode with a reward")
-    text, needs = "steps of these episodes together", ("first", "last")
+    text, needs = "steps in total, from episode `first` to `last`", ("first", "last")
     yield TaskMeasure("steps_of_episodes", text, MeasureKind.RECORD, _steps_of_episodes, needs)
-    yield row("winnings", "what a bandit's pulls won")
-    yield row("regret", "how much more the best arm would have won")
-    yield row("best_arm_rate", "the share of pulls of its best arm")
+    yield row("winnings", "sum of the rewards of a bandit")
+    yield row("regret", "loss compared with always pulling the best arm")
+    yield row("best_arm_rate", "share of pulls on the best arm")
 
 
 _OF_NO_RULE: Final = ("Q(s′, a)", "max Q(s)", "argmax Q(s′)")

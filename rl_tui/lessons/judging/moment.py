@@ -1,4 +1,4 @@
-"""A run at one step, as its replay would show it, for the check of conditions."""
+"""A run at one step, as its replay would show it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ExactAnswer = Callable[[TabularMDP, float], Answer]
 
 
 def exact_at_once(mdp: TabularMDP, gamma: float) -> Answer:
-    """Solve `mdp` for `gamma` at once."""
+    """Solve `mdp` for `gamma`."""
     try:
         return Answer(solve(mdp, gamma), "")
     except NoExactAnswer as reason:
@@ -38,18 +38,16 @@ def exact_at_once(mdp: TabularMDP, gamma: float) -> Answer:
 
 
 def why_too_dear(mdp: TabularMDP, *, value_of_policy: bool = False) -> str:
-    """Return the reason why exact results are too slow next to a run, or "". The discounted
-    `value_of_policy` takes longer than a return.
-    """
+    """Return why exact results take too long, most of all a `value_of_policy`, or ""."""
     if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
-        return "this world is too large for exact numbers beside a run"
+        return "this world is too large for exact values during a run"
     if value_of_policy and mdp.states > AT_ONCE_STATES:
-        return f"values of a policy are not computed beside a run above {AT_ONCE_STATES} states"
+        return f"policy values are not computed during a run above {AT_ONCE_STATES} states"
     return ""
 
 
 class Kept:
-    """Results cached between moments of any runs: names, a journal, exact results."""
+    """Results cached between moments: names, a journal, exact results."""
 
     def __init__(self, exact: ExactAnswer = exact_at_once) -> None:
         self.exact = exact
@@ -63,7 +61,7 @@ class Kept:
         self._compared: tuple[Scenario, Scenario, bool] | None = None
 
     def is_same_world(self, one: Scenario, other: Scenario) -> bool:
-        """Return True if two scenarios describe the same world, even from different files."""
+        """Return True for the same world, even from different files."""
         known = self._compared
         if known is None or known[0] is not one or known[1] is not other:
             is_same = one is other or (one.kind, one.section) == (other.kind, other.section)
@@ -71,7 +69,7 @@ class Kept:
         return known[2]
 
     def state(self, space: FiniteSpace, name: str) -> int | None:
-        """Return the number of the named state, or None."""
+        """Return the number of the named state, if any."""
         if space is not self._space:
             self._space, self._states = space, {}
         if name not in self._states:
@@ -82,7 +80,7 @@ class Kept:
     def of_policy(
         self, mdp: TabularMDP, policy: FloatArray, name: str | float, work_out: Callable[[], float | None]
     ) -> float | None:
-        """Return a result for `policy`, `[P]`, by name, computed once while policy and world stay."""
+        """Return a result for `policy`, `[P]`, computed once while policy and world stay."""
         known = self._policy
         if known is None or known[0] is not mdp or not np.array_equal(known[1], policy):
             self._policy, self._figures = (mdp, policy), {}
@@ -91,7 +89,7 @@ class Kept:
         return self._figures[name]
 
     def optimum(self, mdp: TabularMDP, gamma: float) -> Answer:
-        """Return the exact answer for `gamma`, as far as known."""
+        """Return the known exact answer for `gamma`."""
         known = self._optimum
         if known is None or known[0] is not mdp or known[1] != gamma or not any(known[2]):
             self._optimum = mdp, gamma, self.exact(mdp, gamma)
@@ -100,8 +98,9 @@ class Kept:
 
 
 class JudgedMoment:
-    """`run` at its current step with the settings of its last step, and the `setup` of the task. Later
-    settings do not apply yet, as in a replay that ends here. Members raise MissingError with a reason.
+    """`run` at its current step with the settings of its last step, and the `setup` of the task.
+
+    Later settings do not apply yet, as in a replay that ends here. Members raise MissingError with a reason.
     """
 
     def __init__(self, run: Run, setup: Recipe, kept: Kept) -> None:
@@ -131,14 +130,14 @@ class JudgedMoment:
 
     @property
     def last_episode(self) -> tuple[float, int]:
-        """Return and length of the episode that ended with the last step."""
+        """Return and length of the last episode."""
         newest = self.run.history.newest
         if newest is None or not (self.last.terminated or self.last.truncated):
             raise NoMomentError("no episode ends with this step")
         return newest
 
     def taken_since(self, step: int) -> int:
-        """Return the number of the user's actions after `step`."""
+        """Count the user's actions after `step`."""
         count = 0
         for entry in reversed(self.run.journal):
             if entry.step < step:
@@ -147,14 +146,14 @@ class JudgedMoment:
         return count
 
     def state(self, name: str | None) -> int:
-        """Return the number of the named state."""
+        """Return the number of a state."""
         state = self._kept.state(self.run.world.space, name or "")
         if state is None:
             raise MissingError(f"there is no state {name} here")
         return state
 
     def pair(self, state: str | None, action: str | None) -> int:
-        """Return the number of the pair of the named state and action."""
+        """Return the number of a pair."""
         space, names = self.run.world.space, self.run.world.space.action_names
         number = self.state(state)
         if action not in names:
@@ -165,16 +164,16 @@ class JudgedMoment:
         return pair
 
     def actions_in(self, state: str | None, best: Callable[[range], list[int]]) -> str:
-        """Return the names of the actions that `best` chooses from the pairs of `state`."""
+        """Name the actions that `best` chooses in `state`."""
         space = self.run.world.space
         own = space.pairs_of(self.state(state))
         if not own:
-            raise MissingError(f"nothing can be done in {state}")
+            raise MissingError(f"no action is available in {state}")
         return ", ".join(space.action_names[space.pair_action[pair]] for pair in best(own))
 
     @property
     def planned_values(self) -> FloatArray | None:
-        """V, `[S]`, of the planner that took the last step, or None for an agent."""
+        """V, `[S]`, of a planner, if any."""
         learner = self.run.learner
         if not self.journal.switch_waits:
             return next(iter(learner.remembered("v")), None) if learner.plans else None
@@ -187,7 +186,7 @@ class JudgedMoment:
 
     @cached_property
     def mdp(self) -> TabularMDP:
-        """The current table of the world, if it is small enough for exact results."""
+        """The world's current table, if small enough."""
         mdp = self.run.learner.mdp
         if mdp is None:
             raise MissingError(NO_TABLE)
@@ -198,26 +197,26 @@ class JudgedMoment:
 
     @cached_property
     def greedy(self) -> FloatArray:
-        """The greedy policy, `[P]`, with the ties of the last step."""
+        """Greedy policy, `[P]`, with the step's ties."""
         return greedy_policy(self.mdp, self.run.learner.q, self.author.hyperparameters.ties)
 
     @property
     def expected_return(self) -> float:
-        """Exact expected undiscounted return of the greedy policy."""
+        """Exact undiscounted return of the greedy policy."""
         mdp, ties = self.mdp, self.author.hyperparameters.ties
         value = self.run.greedy_return(self.run.learner.q, ties) if mdp is not None else None
         return _known(value, "the greedy policy has no return: it may never end")
 
     @property
     def greedy_ends(self) -> float:
-        """Probability that an episode of the greedy policy ends."""
+        """Probability that a greedy episode ends."""
         mdp, greedy = self.mdp, self.greedy
         ends = self._kept.of_policy(mdp, greedy, "ends", lambda: chance_of_ending(mdp, greedy))
-        return _known(ends, "rounding would spoil it")
+        return _known(ends, "rounding errors would be too large")
 
     @property
     def value_at_start(self) -> float:
-        """Exact value of the greedy policy at the start, for the γ of the last step."""
+        """Exact value of the greedy policy at the start."""
         mdp, greedy, gamma = self.mdp, self.greedy, self.author.hyperparameters.gamma
         refused = why_too_dear(mdp, value_of_policy=True)
         if refused:
@@ -234,7 +233,7 @@ class JudgedMoment:
 
     @property
     def optimum(self) -> Solution:
-        """Solution for the γ of the last step."""
+        """Solution for the last γ."""
         answer = self._kept.optimum(self.mdp, self.author.hyperparameters.gamma)
         if answer.solution is None:
             raise MissingError(answer.refused) if answer.refused else NotYetError

@@ -1,4 +1,4 @@
-"""Judging by new runs: attempts at a task replayed, and conditions over many seeds."""
+"""Judging by new runs: replayed attempts, and conditions over many seeds."""
 
 from __future__ import annotations
 
@@ -57,15 +57,8 @@ def attempted_run(
 ) -> Run:
     """Replay an attempt, to its given length or until all its changes are made.
 
-    Args:
-        lesson: The lesson.
-        page: Id of the page with the task.
-        attempt: Recorded attempt.
-        seed: Seed instead of the setup's, if given.
-        on_end: Called with the run even if it fails, and may raise.
-
-    Raises:
-        UserError: A setting or change does not fit, the run breaks down, or it is too long.
+    `seed` replaces the setup's. `on_end` is called even if the run fails, and may raise. Raises UserError if
+    the attempt does not fit, breaks down or is too long.
     """
     name = lesson.setup_of(page)
     setup = lesson.setups[name]
@@ -97,7 +90,7 @@ def attempted_run(
 
 
 def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Run:
-    """Replay a run of `recipe` and `journal` to `step`. Raises UserError if it breaks down."""
+    """Replay a run to `step`. Raises UserError if it breaks down."""
     check_world_stays(journal)
     run = _new_run(recipe)
     train(run, Goal(steps=step), journal=journal)
@@ -105,9 +98,9 @@ def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Ru
 
 
 def check_world_stays(journal: Iterable[JournalEntry]) -> None:
-    """Raise UserError if `journal` changes the world: a task is about its lesson's world."""
+    """Raise UserError for a change of the lesson's world."""
     if any(isinstance(entry.change, WorldChange) for entry in journal):
-        raise UserError("the world was changed, but a task of a lesson needs its own world")
+        raise UserError("the world was changed, but this task needs the world of the lesson")
 
 
 def _new_run(recipe: Recipe) -> Run:
@@ -116,7 +109,6 @@ def _new_run(recipe: Recipe) -> Run:
 
 
 def _step_after(entry: JournalEntry) -> int:
-    """Return the step at which `entry` has had its effect."""
     return entry.step + isinstance(entry.change, TakeAction | OrderSweep)
 
 
@@ -133,11 +125,11 @@ def no_news(done: int, wanted: int, values: SeedValues) -> None:
 
 
 class _TooLongError(Exception):
-    """A seed has exceeded its limit of steps."""
+    pass
 
 
 def work(request: PanelRequest, tell: Callable[[PanelProgress, float], None]) -> None:
-    """Report each seed, and finally the verdicts. This is the work of a background process."""
+    """Report each seed and the verdicts in a background process."""
     bound_processor_time(MOST_SECONDS)
     known = len(request.known)
     seeds = list(request.known)
@@ -159,20 +151,10 @@ def worked_out(
     known: Sequence[SeedValues] = (),
     on_end: OnEnd = ignore_end,
 ) -> tuple[ConditionVerdict, ...]:
-    """Check conditions over seeds, beginning with 0. Conditions of equal length share their runs.
+    """Check conditions over seeds from 0. Raises UserError if the world cannot be built.
 
-    Args:
-        recipe: Start of the runs.
-        conditions: Conditions to check.
-        on_seed: Called with (seeds done, seeds wanted, values of the last seed).
-        known: Values of the first seeds from an earlier call, which are not repeated.
-        on_end: Called with each run, and may raise.
-
-    Returns:
-        A verdict for each condition.
-
-    Raises:
-        UserError: The world cannot be built.
+    Conditions of equal length share their runs. `on_seed` receives (seeds done, seeds wanted, values of the
+    last seed), `known` has values of the first seeds, and `on_end` is called with each run, and may raise.
     """
     begun = replace(recipe, seed=0)
     order = sorted(range(len(conditions)), key=lambda place: _extent(conditions[place]))
@@ -204,7 +186,6 @@ def _extent(condition: Condition) -> tuple[int, int, int]:
 def _of_seed(
     runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition], on_end: OnEnd
 ) -> SeedValues:
-    """Return the metric of each condition for one seed, None without a value."""
     run = runs.new_run(seed)
 
     def on_progress(done: int, wanted: int) -> None:
@@ -250,7 +231,7 @@ def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> Conditi
 
 
 class PanelsAtOnce:
-    """Computes conditions over seeds on request, and caches them. `on_end` is called with each run."""
+    """Computes and caches conditions over seeds."""
 
     def __init__(self, on_end: OnEnd = ignore_end) -> None:
         self._known = KnownPanels()
@@ -259,7 +240,7 @@ class PanelsAtOnce:
     waits = ""
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return the verdict on each of `conditions` for runs of `recipe`."""
+        """Return the verdict on each condition."""
         known = self._known.of(recipe, conditions)
         if known is None:
             known = worked_out(recipe, conditions, on_end=self._on_end)
@@ -273,18 +254,10 @@ class PanelsAtOnce:
 def passes(
     lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None, panels: Panels | None = None
 ) -> TaskView:
-    """Judge `attempt` at the task of `page`; `passed` of the result is None if it fails. A program is
-    watched, without a sandbox.
+    """Judge `attempt` at the task of `page`. Raises UserError if it cannot be replayed.
 
-    Args:
-        lesson: The lesson.
-        page: Id of the page with the task.
-        attempt: Recorded attempt.
-        seed: Seed for attempt and task instead of the setup's, if given.
-        panels: Decides conditions over seeds.
-
-    Raises:
-        UserError: The attempt cannot be replayed.
+    `passed` of the result is None if it fails. `seed` replaces the setup's. A program is watched, without a
+    sandbox.
     """
     judged = judged_task(lesson, page, seed)
     if judged.task.program is not None and not attempt.claim:
@@ -296,7 +269,7 @@ def passes(
 
 
 def judged_program(judged: JudgedTask, code: str) -> TaskView:
-    """Run `code`, and judge it by a task that needs a program."""
+    """Run `code`, and judge it by a task."""
     from rl_tui.lessons.judging.seen_program import watched_code
 
     name = "" if judged.task.program is None else judged.task.program.file
@@ -304,7 +277,7 @@ def judged_program(judged: JudgedTask, code: str) -> TaskView:
 
 
 def judged_claim(judged: JudgedTask, run: Run, panels: Panels | None = None) -> TaskView:
-    """Judge the claim, made at the current step of `run`, that the task is impossible."""
+    """Judge the claim that the task is impossible."""
     view = verdict(judged, run, panels or PanelsAtOnce())
     is_right = judged.task.proof is not None
     return replace(view, passed=Passed(judged.page, judged.setup, claim=True) if is_right else None)
@@ -313,7 +286,7 @@ def judged_claim(judged: JudgedTask, run: Run, panels: Panels | None = None) -> 
 def evidence_holds(
     lesson: Lesson, evidence: Passed, seed: int | None = None, panels: Panels | None = None
 ) -> TaskView:
-    """Judge the task of `evidence` by repeating the evidence. Raises as `passes` and `judged_task` do."""
+    """Judge a task by repeating its evidence. Raises as `passes` and `judged_task` do."""
     judged = judged_task(lesson, evidence.page, seed)
     if evidence.claim:
         return judged_claim(judged, Run(judged.setup, evaluate=False), panels)

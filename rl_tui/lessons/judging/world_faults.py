@@ -1,4 +1,4 @@
-"""Errors of tasks against their worlds: names that do not exist there."""
+"""Names in tasks that do not exist in their worlds."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OF_BANDITS = ("winnings", "regret", "best_arm_rate")
 
 
 def reference_faults(lesson: Lesson) -> list[Fault]:
-    """Build the worlds of a lesson, and return errors of setups, conditions and attempts."""
+    """Return errors of setups, conditions and attempts in their worlds."""
     worlds: dict[str, tuple[Recipe, World]] = {}
     findings: list[Finding] = []
     for name in lesson.setups:
@@ -32,8 +32,7 @@ def reference_faults(lesson: Lesson) -> list[Fault]:
             worlds[name] = recipe, begin(recipe).world
             check_compatible(worlds[name][1].space, recipe.algorithm, recipe.hyperparameters)
         except UserError as reason:
-            what = f"a setup that cannot run ({reason})"
-            findings.append(Finding(("setups", name), what, "a setup that can run"))
+            findings.append(Finding(("setups", name), f"this setup cannot run: {reason}"))
     for number, page in enumerate(lesson.pages):
         found = worlds.get(lesson.setup_of(page.id))
         if found is None:
@@ -67,15 +66,14 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
     for where, action in _actions_named(condition):
         yield from _of_action(where, action, state, world)
     if measure.name in _OF_BANDITS and world.budget is None:
-        yield Finding(("measure",), shown(measure.name), "a measure for worlds that are not bandits")
+        yield Finding(("measure",), f"{measure.name} works only for bandits; choose another measure")
     if measure.kind is MeasureKind.EXACT and world.mdp is None:
-        yield Finding(
-            ("measure",), shown(measure.name), "a measure that needs no transition table: this world has none"
-        )
+        found = f"{measure.name} needs a transition table, and this world has none; choose another measure"
+        yield Finding(("measure",), found)
     elif measure.kind is MeasureKind.EXACT and world.mdp is not None:
         refused = why_too_dear(world.mdp, value_of_policy=measure.name == "value_at_start")
         if refused:
-            yield Finding(("measure",), shown(measure.name), f"another measure: {refused}")
+            yield Finding(("measure",), f"{measure.name} is not available: {refused}; choose another measure")
 
 
 def _actions_named(condition: Measured) -> Iterator[tuple[Location, str]]:
@@ -109,7 +107,7 @@ def _of_attempt(attempt: Attempt, world: World) -> Iterator[Finding]:
         try:
             journal_of([read_change(change)], world.space.action_names)
         except UserError as reason:
-            yield Finding(("changes", number), shown(change), str(reason))
+            yield Finding(("changes", number), f"{shown(change)}: {reason}")
 
 
 def _one_of(kind: str, names: Sequence[str], name: str) -> str:

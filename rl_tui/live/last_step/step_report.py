@@ -1,4 +1,4 @@
-"""The last step of a snapshot in numbers, computed once for all panels, which write the words."""
+"""The last step of a snapshot in numbers. Panels write the words."""
 
 from __future__ import annotations
 
@@ -36,6 +36,7 @@ from rl_tui.worlds.world import World
 
 NO_CHANGE: Final = "your program changed nothing"
 NO_TABLE: Final = "no table was found, so no change is known"
+_LATER: Final = "changes are known after step {:,}, where the table was found"
 _OF_THE_BOOK: Final = {
     Lookup.BEST: UpdateTarget.BEST,
     Lookup.NEXT: UpdateTarget.NEXT_ACTION,
@@ -52,21 +53,20 @@ _OTHERWISE: Final = {
 
 
 def program_terms(terms: UpdateTerms, program: ProgramView) -> UpdateTerms:
-    """Return `terms` of the assumed algorithm, corrected by the update found in `program`."""
+    """Return `terms`, corrected by the update found in `program`."""
     update = program.verdict.update
     gathered = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
+    later = _LATER.format(program.table_from) if program.table_from else ""
     return replace(
         terms,
         gathered=gathered if terms.gathered == "r" else terms.gathered,
         bootstrap=_OTHERWISE.get(update.target, terms.bootstrap),
-        waiting=NO_TABLE if program.table is None else NO_CHANGE,
+        waiting=NO_TABLE if program.table is None else later or NO_CHANGE,
     )
 
 
 def reads_by_the_book(terms: UpdateTerms, update: UpdateFound, last: LastStep) -> bool:
-    """Return True if the program's target uses the lookup in `terms`. An expected value counts only if its
-    ε is known.
-    """
+    """Return True if the program's target uses the lookup in `terms`, with known ε for an expected value."""
     if _OF_THE_BOOK.get(terms.lookup) is not update.target:
         return False
     return terms.lookup is not Lookup.MEAN or update.epsilon == last.epsilon
@@ -83,16 +83,11 @@ class StateBackup:
     """The planner's backup of a state (Sutton & Barto, 2nd ed., equations 4.5, 4.9 and 4.10).
 
     Attributes:
-        state: Number of the state.
         phase: Kind of sweep, or None for value iteration.
-        pairs: Pairs of the state, n in number.
-        q: Σ p [r + γ V(s′)] = `reward` + `gamma` · `bootstrap`, `[n]`.
-        reward: Expected reward, `[n]`.
-        bootstrap: Expected next value, `[n]`.
-        gamma: Discount in [0, 1].
+        q: Σ p [r + γ V(s′)] = `reward` + `gamma` · `bootstrap`, `[n]` each.
         chance: π(a|s) after the backup, `[n]`, uniform over the best for value iteration.
         value: V(s) after the backup.
-        is_split: True if reward and bootstrap are known, or False if rewards drift.
+        is_split: False if reward and bootstrap are unknown, because rewards drift.
     """
 
     state: int
@@ -108,7 +103,7 @@ class StateBackup:
 
 
 def state_backup_of(world: World, agent: AgentView, last: LastStep) -> StateBackup | None:
-    """Return the backup of the step `last`, or None if it was none, or its numbers are lost."""
+    """Return the backup of the step, if there is one."""
     mdp, algorithm = world.mdp, agent.row
     pairs = world.space.pairs_of(last.state)
     if not last.planned or not last.learned or mdp is None or agent.learned_by[0] != algorithm.id:
@@ -159,9 +154,7 @@ _TOLERANCE: Final = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class StepStory:
-    """One step of the agent, or one backup of a planner, with all numbers that explain it. Parts for the
-    microscope are computed on request.
-    """
+    """All numbers of an agent's step, or a planner's backup."""
 
     world: World
     """World of the run."""
@@ -170,7 +163,7 @@ class StepStory:
     algorithm: Algorithm
     """Algorithm that took the step."""
     hyperparameters: Hyperparameters
-    """Hyper-parameters at the step. `last` has the ε of a schedule."""
+    """Hyperparameters at the step. `last` has the ε of a schedule."""
     policy: Policy
     """Policy that chose the action."""
     before: EstimatesBefore
@@ -202,18 +195,18 @@ class StepStory:
 
     @property
     def has_equation(self) -> bool:
-        """True if the terms of the update are known. Otherwise only the estimates before and after it are."""
+        """True if the update's terms are known."""
         return self.algorithm is not OWN_PROGRAM
 
     @property
     def terms(self) -> UpdateTerms:
-        """Symbols and words of the update, corrected for a watched program."""
+        """Symbols and words of the update."""
         terms, program = self.algorithm.update, self.program
         return terms if program is None else program_terms(terms, program)
 
     @property
     def reads_by_the_book(self) -> bool:
-        """True if the update looks up estimates as its algorithm says."""
+        """True if the lookup is the algorithm's own."""
         program = self.program
         return program is None or (
             self.has_equation and reads_by_the_book(self.terms, program.verdict.update, self.last)
@@ -221,17 +214,17 @@ class StepStory:
 
     @property
     def is_bandit(self) -> bool:
-        """True if every step is a pull, and so an episode."""
+        """True if every step is an episode."""
         return isinstance(self.world.drawing, Arms)
 
     @property
     def bootstraps(self) -> bool:
-        """True if the target contains an estimate."""
+        """True with an estimate in the target."""
         return self.last.planned or self.last.bootstrap_state != NOTHING
 
     @property
     def step_size(self) -> float | str:
-        """Step size of the step, or the word for a sample average."""
+        """Step size, or the word for averages."""
         values = self.hyperparameters
         if values.sample_average:
             return SAMPLE_AVERAGE
@@ -240,27 +233,27 @@ class StepStory:
 
     @property
     def has_trace(self) -> bool:
-        """True if the step size is α times the trace of the pair."""
+        """True if the step size is α times a trace."""
         return "traces" in self.algorithm.parameters and self.last.step_size != self.hyperparameters.alpha
 
     @cached_property
     def backup(self) -> Backup | None:
-        """The update as a tree of outcomes, or None if unknown."""
+        """The update as a tree."""
         return backup_of(self.before, self.mean) if self.reads_by_the_book else None
 
     @cached_property
     def state_backup(self) -> StateBackup | None:
-        """The planner's backup of a state, or None for an agent, or if unknown."""
+        """A planner's backup."""
         return state_backup_of(self.world, self.before.agent, self.last)
 
     @cached_property
     def sources(self) -> dict[int, float]:
-        """Pairs that the bootstrap was read from, with weights, empty if unknown."""
+        """Pairs read by the bootstrap, with weights."""
         return sources(self.before) if self.reads_by_the_book else {}
 
     @property
     def looked_up(self) -> list[tuple[float, float]]:
-        """The weights of `sources`, each with its estimate at the update."""
+        """Weights of `sources`, each with its estimate."""
         last, q = self.last, self.before.agent.q
         return [
             (weight, last.before if pair == last.updated_pair else float(q[pair]))
@@ -269,20 +262,18 @@ class StepStory:
 
     @property
     def steps(self) -> int:
-        """Steps of the episode, including this one."""
+        """Steps of the episode so far."""
         return max(self.last.episode_step, len(self.rewards))
 
     @property
     def has_one_gamma(self) -> bool:
-        """True if the known rewards, discounted by one γ, give the return."""
+        """True if one γ gives the return."""
         is_whole = len(self.rewards) == self.steps
         return not is_whole or self._comes_to(self.rewards, self.discounted_return)
 
     @property
     def gathered_rewards(self) -> Sequence[float]:
-        """The rewards in the target of a multi-step method, oldest first, empty for one-step methods, or
-        if unknown.
-        """
+        """Rewards in a multi-step target, oldest first."""
         last, parameters = self.last, self.algorithm.parameters
         if self.terms.one_step or not last.learned or not self.rewards:
             return []
@@ -304,9 +295,7 @@ def discounted_sum(rewards: Sequence[float], gamma: float) -> float:
 
 @lru_cache(maxsize=1)
 def story_of(snapshot: Snapshot) -> StepStory | None:
-    """Return the story of the last step of `snapshot`, or None before the first step. The last result is
-    cached, so all panels of a frame share it.
-    """
+    """Return the story of the last step, cached for all panels of a frame."""
     last, agent, world = snapshot.counters.last_step, snapshot.agent, snapshot.world
     if last is None:
         return None
@@ -343,7 +332,6 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
 
 
 def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int | None]:
-    """Return the probability of the outcome, and the chosen and actual action if the world may slip."""
     mdp = world.mdp
     if mdp is None or last.outcome == UNKNOWN_ACTION:
         return None, None, None
@@ -355,9 +343,6 @@ def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int 
 
 
 def _algorithm_of(snapshot: Snapshot) -> Algorithm:
-    """Return the algorithm that took the last step. For a program with an unknown step size, it is the one
-    whose update explains the step.
-    """
     agent, program = snapshot.agent, snapshot.program
     row = algorithm_row(agent.learned_by[0])
     if program is None or row is not OWN_PROGRAM or agent.author is not None:
@@ -367,9 +352,7 @@ def _algorithm_of(snapshot: Snapshot) -> Algorithm:
 
 
 def _knows_others(snapshot: Snapshot, algorithm: Algorithm) -> bool:
-    """Return True if an action that is not greedy before the update was not greedy when chosen. For a
-    program, it is true only if it chooses after learning, because its exploration is unknown.
-    """
+    """Return True if an action that is not greedy before the update was not greedy when chosen."""
     last = snapshot.counters.last_step
     if snapshot.program is None:
         return last is not None and last.explored
@@ -377,9 +360,9 @@ def _knows_others(snapshot: Snapshot, algorithm: Algorithm) -> bool:
 
 
 def _greedy_before(before: EstimatesBefore, *, knows_others: bool) -> list[int]:
-    """Return the pairs that were greedy when the action was chosen, empty if unknown. Unknown after a step
-    with several changed estimates or two tables. The choice may precede the last update, so unless
-    `knows_others` the chosen pair must be among them.
+    """Return the pairs that were greedy at the choice, if known.
+
+    The choice may precede the last update, so unless `knows_others` the chosen pair must be among them.
     """
     last = before.last
     pairs = before.world.space.pairs_of(last.state)

@@ -1,4 +1,4 @@
-"""Waiting for machine code, or running interpreted until it is ready."""
+"""Waiting for machine code, or running interpreted meanwhile."""
 
 from __future__ import annotations
 
@@ -17,51 +17,40 @@ LOOK_AGAIN: Final = 0.05
 
 
 class Compilation:
-    """Requests machine code for a group of runs. With `automatic` off, it does so on request, and for many
-    steps.
-    """
+    """Requests machine code for a group of runs, without `automatic` only on request and for many steps."""
 
     def __init__(self, *, automatic: bool) -> None:
         self._automatic = automatic
         self._loops: list[Loop] = []
+        self.interpreted = False
+        """True if a run was interpreted at the last check."""
         self.why_not = ""
         """Reason why no machine code will come, as a sentence, else empty."""
         self._is_closed = False
 
-    @property
-    def interpreted(self) -> bool:
-        """True if a run was interpreted at the last check."""
-        return bool(self._loops)
-
-    @property
-    def is_being_read(self) -> bool:
-        """True if machine code is being loaded, which is faster while nothing else runs."""
-        return self.interpreted and BACKGROUND.is_loading
-
     def has_changed(self, group: RunGroup) -> bool:
-        """Check which loops of `group` are interpreted and request machine code and return True if they
-        changed.
-        """
+        """Request machine code. Return True if other loops are interpreted."""
         loops = group.interpreted_loops
-        why_not = BACKGROUND.why_not(loops)
+        why_not = BACKGROUND.why_not(loops) if loops else ""
         if (loops, why_not) == (self._loops, self.why_not):
             return False
         are_new, self._loops, self.why_not = loops != self._loops, loops, why_not
+        self.interpreted = bool(loops)
         if self._automatic and are_new:
             self.ask()
         return True
 
     def ask(self) -> None:
-        """Request machine code for the interpreted loops."""
+        """Request machine code for interpreted loops."""
         if not self._is_closed:
             BACKGROUND.want(self._loops)
 
     def close(self) -> None:
-        """Make no further requests. Earlier ones of others remain."""
+        """Make no further requests. Those of others remain."""
         self._is_closed = True
 
     def waits(self, steps: int) -> bool:
-        """Return True if `steps` should wait for machine code, and request it."""
+        """Return True if `steps` should wait for machine code."""
         is_worth_it = steps > MOST_INTERPRETED and bool(self._loops) and not BACKGROUND.why_not(self._loops)
         if is_worth_it:
             self.ask()

@@ -1,4 +1,4 @@
-"""Conditions that stop a run, and their check."""
+"""Conditions that stop a run."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def watching_for(until: Until | None, breakpoints: Breakpoints) -> Watching | None:
-    """Return what the learner has to watch for, or None."""
+    """Return what the learner has to watch for."""
     watching = Watching(states=breakpoints.states, pairs=breakpoints.pairs)
     match until:
         case Until(event=Event.REWARD):
@@ -40,11 +40,9 @@ def watching_for(until: Until | None, breakpoints: Breakpoints) -> Watching | No
 
 
 class StopCondition:
-    """Waits for `until` in `run`, from its current position. `exact_answer` returns the current solution
-    of the run.
+    """Waits for `until` in `run`, from its current position.
 
-    Raises:
-        UserError: The event is in the past, or the pair or the exact answer does not exist.
+    Raises UserError for an event in the past, or an unknown pair or exact answer.
     """
 
     def __init__(self, until: Until, run: PlayedRun, exact_answer: Callable[[], Answer]) -> None:
@@ -81,10 +79,10 @@ class StopCondition:
                 if run.learner.drifted:
                     self.stride = 1  # the optimal policy changes with every step
                 if self._is_optimal(run):
-                    raise UserError("the greedy policy is optimal already")
+                    raise UserError("the greedy policy is already optimal")
 
     def is_over(self, run: PlayedRun) -> bool:
-        """Return True if the last step of `run` caused the event."""
+        """Return True if the last step caused the event."""
         learner = run.learner
         match self.until.event:
             case Event.STEP | Event.EPISODE | Event.EPISODE_END:
@@ -103,11 +101,11 @@ class StopCondition:
 
     @property
     def pair(self) -> int | None:
-        """The pair whose estimate is awaited, or None."""
+        """The pair whose estimate is awaited."""
         return self.until.pair if self.until.event is Event.VALUE else None
 
     def goes_on_with(self, pair: int | None) -> bool:
-        """Continue in another world, in which the awaited pair is `pair` and return False if it is gone."""
+        """Continue with `pair` in another world, or return False."""
         if self.until.event is Event.OPTIMAL:
             self.stride = 1  # the policy may already be optimal there
         if self.pair is None:
@@ -124,15 +122,10 @@ class StopCondition:
 
 
 def is_optimal(mdp: TabularMDP, q: FloatArray, ties: Ties, optimum: Solution) -> bool:
-    """Return True if the greedy policy is optimal from the start. In every reachable state it must take
-    only optimal actions. At γ = 1 it must also end with probability 1, because otherwise it never earns
-    the value of these actions.
+    """Return True if the greedy policy of `q`, `[P]`, is optimal from the start.
 
-    Args:
-        mdp: World.
-        q: Estimates, `[P]`.
-        ties: How equal estimates are resolved.
-        optimum: Solution for the current γ.
+    In every reachable state it must take only optimal actions. At γ = 1 it must also end with probability 1,
+    because otherwise it never earns the value of these actions.
     """
     from rl_tui.agents.exact.policy_evaluation import always_ends
     from rl_tui.agents.exact.policy_figures import greedy_policy
@@ -145,7 +138,6 @@ def is_optimal(mdp: TabularMDP, q: FloatArray, ties: Ties, optimum: Solution) ->
 
 
 def _takes_the_best(mdp: TabularMDP, policy: FloatArray, optimum: Solution) -> bool:
-    """Return True if `policy`, `[P]`, takes only optimal actions in reachable states."""
     wrong = (policy > 0.0) & ~optimum.best
     if not wrong.any():
         return True
@@ -163,7 +155,7 @@ def _takes_the_best(mdp: TabularMDP, policy: FloatArray, optimum: Solution) -> b
 
 
 def until_in_words(until: Until, world: World) -> str:
-    """Describe `until` in words that follow "until"."""
+    """Describe `until` in words after "until"."""
     is_bandit = isinstance(world.drawing, Arms)
     match until.event:
         case Event.STEP:
@@ -182,7 +174,7 @@ def until_in_words(until: Until, world: World) -> str:
 
 
 def breakpoint_in_words(run: PlayedRun) -> str:
-    """Describe the breakpoint met by the last step of `run`, or "" if none."""
+    """Describe the breakpoint just met, or ""."""
     noticed, space = run.learner.noticed, run.world.space
     if noticed.pair is not None:
         arm = "arm " if isinstance(run.world.drawing, Arms) else ""
@@ -191,10 +183,9 @@ def breakpoint_in_words(run: PlayedRun) -> str:
 
 
 def _pair_in_words(space: FiniteSpace, pair: int) -> str:
-    """Return the names of state and action, or only the action if there is one state."""
     return space.action_names[int(space.pair_action[pair])] if space.states == 1 else space.pair_name(pair)
 
 
 def _check_ahead(is_ahead: bool, wanted: str, here: str) -> None:
     if not is_ahead:
-        raise UserError(f"{wanted} is in the past: this is {here}; b and m g go back")
+        raise UserError(f"{wanted} is in the past (you are at {here}); b and m g go back")

@@ -1,6 +1,4 @@
-"""The number and time of steps of a group of runs. The pace never changes which steps are taken. Times are
-in seconds, speeds in steps per second.
-"""
+"""The number and time of steps, in seconds. The pace never changes which steps are taken."""
 
 from __future__ import annotations
 
@@ -11,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rl_tui.common.words import lasting
-from rl_tui.live.pace.pacing import CHUNK, ChunkSize, Pace, SpeedMeter
+from rl_tui.live.pace.pacing import CHUNK, TICK, ChunkSize, Pace, SpeedMeter
 from rl_tui.live.pace.stop_condition import is_optimal
 from rl_tui.runs.large_worlds import is_large
 from rl_tui.runs.recipe import UNLIMITED
@@ -63,11 +61,10 @@ _ENDING: Final = (Stage.OPTIMAL, Stage.PULLS)
 
 
 class LearningPace:
-    """Adapts the speed to learning. It runs fast until the first reward changes an estimate, and
-    accelerates meanwhile. Then it pauses briefly whenever V of a state (its largest estimate) first
-    differs from the initial value. Once the greedy policy is optimal from the start, it runs slowly and
-    accelerates. The last speed remains. In a bandit, pulls accelerate. `answer` returns the solution of
-    the visible run, if any.
+    """Adapts the speed to learning.
+
+    It is fast until the first reward changes an estimate, pauses whenever V of a state first differs from the
+    initial value, and is slow once the greedy policy is optimal.
     """
 
     def __init__(self, answer: Callable[[], Answer]) -> None:
@@ -80,7 +77,7 @@ class LearningPace:
         self._stage, self._rise = Stage.PULLS, 0
 
     def start(self, run: Run, now: float) -> None:
-        """Begin with the current estimates of `run`."""
+        """Begin with the current estimates."""
         self._rests = 0
         self._judged_at = now
         self._count(run)
@@ -98,7 +95,7 @@ class LearningPace:
 
     @property
     def is_over(self) -> bool:
-        """True if no further news is expected. The speed remains."""
+        """True if no news is expected."""
         if self._rise < len(SPEEDS[self._stage]) - 1:
             return False
         if self._stage is Stage.SPREADING:
@@ -106,13 +103,13 @@ class LearningPace:
         return self._stage in _ENDING
 
     def stride(self, run: Run, due: int) -> int:
-        """Return how many of the `due` steps to take before the next check of `run`."""
+        """Return the steps to take before the next check."""
         if self._stage in _ENDING or is_large(run.world):
             return due
         return min(due, max(1, int(self.speed) // _LOOKS_A_SECOND))
 
     def look(self, run: Run, now: float) -> float | None:
-        """Check what the last steps of `run` changed and return the length of a pause, or None."""
+        """Check what changed, and return the length of a pause."""
         if self._stage in _ENDING:
             return None
         before = self._with_value
@@ -132,12 +129,12 @@ class LearningPace:
         return REST * _SHORTER ** max(0, self._rests - _LONG_RESTS)
 
     def hasten(self, now: float) -> None:
-        """Accelerate if there was no news for a while."""
+        """Accelerate after a while without news."""
         if now - self._since >= QUIET and self._rise < len(SPEEDS[self._stage]) - 1:
             self._rise, self._since = self._rise + 1, now
 
     def in_words(self, *, hides_answer: bool) -> str:
-        """Describe the awaited event, with `hides_answer`, without revealing optimality."""
+        """Describe the awaited event, without optimality if `hides_answer`."""
         match self._stage:
             case Stage.FIRST_REWARD:
                 return "until the first reward"
@@ -163,7 +160,6 @@ class LearningPace:
         return not self._with_value and bool((run.learner.q == run.learner.hyperparameters.initial_q).all())
 
     def _has_optimal_policy(self, run: Run) -> bool:
-        """Return True if a nontrivial optimal policy was learned."""
         learner, optimum = run.learner, self._answer().solution
         if learner.mdp is None or optimum is None or not (self._has_choices and self._with_value):
             return False
@@ -174,10 +170,16 @@ class LearningPace:
 
 
 NEWS_EVERY: Final = 0.25
-WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
+WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes a few seconds"
 _WORTH_A_FORECAST: Final = 0.5  # seconds at full speed
 _ALIKE: Final = 2.0
 """Chunks are similar if they grow by less than this factor."""
+_FULL_SPEED: Final = 100_000.0
+"""Full speed where no clock says how fast the machine is."""
+PIECE: Final = 1_000
+"""Steps of a chunk without `automatic`, always the same: an environment that cannot be replayed keeps the
+trail of small chunks only, and its picture must not depend on the machine.
+"""
 _SETTLED: Final = 3
 """Similar chunks in a row before their size counts as settled. The first call of machine code takes
 longer.
@@ -185,8 +187,9 @@ longer.
 
 
 class Transport:
-    """Advances `group` in chunks of about 15 ms and measures the speed. With `automatic` off it measures
-    nothing. `clock` returns seconds.
+    """Advances `group` in chunks of about 15 ms and measures the speed.
+
+    Without `automatic` it measures nothing, and time passes only by `ticks_left`.
     """
 
     def __init__(
@@ -200,6 +203,9 @@ class Transport:
         """Sets the speed from learning; once over, its last speed remains."""
         self.meter = SpeedMeter()
         """Measures the speed."""
+        self.ticks_left = 0
+        """Sixtieths of a second that still have to pass."""
+        self._ticks = 0  # passed
         self._automatic = automatic
         self._clock = clock
         self._pace = Pace()
@@ -220,32 +226,45 @@ class Transport:
         self.start(at_once=False)
 
     def go_by_learning(self, answer: Callable[[], Answer]) -> None:
-        """Let learning set the speed from now on. `answer` returns the solution, if any."""
+        """Let learning set the speed, with the solution if known."""
         self.learning = LearningPace(answer)
         self.start(at_once=False)
 
     def watching(self, *, hides_answer: bool) -> str:
-        """Describe what the speed follows, empty for a fixed speed. With `hides_answer`, without revealing
-        optimality.
-        """
+        """Describe what the speed follows, without optimality if `hides_answer`."""
         learning = self.learning
         if learning is None or learning.is_over:
             return ""
-        if not self._automatic:
-            learning.look(self.group.built_in.run, self._clock())
         return learning.in_words(hides_answer=hides_answer)
 
+    def look(self) -> None:
+        """Check what other steps have changed."""
+        if self.learning is not None and not self.learning.is_over:
+            self.learning.look(self.group.built_in.run, self._now)
+
+    @property
+    def _now(self) -> float:
+        return self._clock() if self._automatic else self._ticks * TICK
+
+    @property
+    def is_behind(self) -> bool:
+        """True if time or steps are due."""
+        return self.ticks_left > 0 or self._pace.due(self._now) > 0
+
     def start(self, *, at_once: bool) -> None:
-        """Aim at the chosen speed from now on; `at_once` makes the first step due immediately."""
+        """Aim at the chosen speed from now on, the first step `at_once` or not."""
         self.meter.clear()
         if self.learning is not None and not self.learning.is_over:
-            self.learning.start(self.group.built_in.run, self._clock())
+            self.learning.start(self.group.built_in.run, self._now)
             self.speed = self.learning.speed
-        if self.speed is not None:
-            self._pace.start(self.speed, self._clock(), at_once)
+        if not self._automatic:
+            self.ticks_left = 0
+            self._pace.start(self.speed or _FULL_SPEED, self._now, at_once=False)
+        elif self.speed is not None:
+            self._pace.start(self.speed, self._now, at_once)
 
     def measure_anew(self) -> None:
-        """Forget measured times, because the duration of a step may have changed a thousandfold."""
+        """Forget measured times: a step may now take a thousand times as long."""
         self._chunk = ChunkSize()
         self.meter.clear()
         self._seek_meter.clear()
@@ -253,43 +272,46 @@ class Transport:
         self._last_news = self._clock()
 
     def keep_pace(self) -> float:
-        """Take the steps that are due and return the seconds until the next ones."""
-        if self.speed is None:
+        """Take due steps, and return the seconds until the next."""
+        if self.speed is None and self._automatic:
             self.take_steps(self._chunk.steps)
             return 0.0
-        due = self._pace.due(self._clock())
+        due = self._pace.due(self._now)
         if due > 0 and self.learning is not None and not self.learning.is_over:
             self._take_and_look(self.learning, due)
         elif due > 0:
             self._pace.took(self.take_steps(due))
-        return self._pace.wait(self._clock())
+        elif self.ticks_left:
+            self.ticks_left -= 1
+            self._ticks += 1
+        return self._pace.wait(self._now) if self._automatic else 0.0
 
     def _take_and_look(self, learning: LearningPace, due: int) -> None:
-        """Take `due` steps until there is news, and adapt the speed."""
-        run, until, rest = self.group.built_in.run, self._clock() + CHUNK, None
-        while due > 0 and rest is None and self._clock() < until and not run.over:
-            taken = self.take_steps(learning.stride(run, due))
+        run, until, rest = self.group.built_in.run, self._now + CHUNK, None
+        while due > 0 and rest is None and self._now < until and not run.over:
+            taken = self.take_steps(learning.stride(run, due), in_chunks=self._automatic)
             self._pace.took(taken)
             due -= taken
-            rest = learning.look(run, self._clock())
+            rest = learning.look(run, self._now)
             if run.noticed:
                 break
-        now = self._clock()
+        now = self._now
         learning.hasten(now)
         if rest is not None or learning.speed != self.speed:
             self.speed = learning.speed
             self._pace.start(self.speed, now + (rest or 0.0), at_once=False)
 
-    def take_steps(self, steps: int, episodes: int = UNLIMITED) -> int:
-        """Take at most `steps` steps and `episodes` episodes within a chunk and return the number of
-        steps.
+    def take_steps(self, steps: int, episodes: int = UNLIMITED, *, in_chunks: bool = True) -> int:
+        """Take at most `steps` and `episodes` within a chunk. Return the number of steps.
+
+        Without `in_chunks` only events and the end of the run make them fewer.
         """
         loops = self.group.interpreted_loops
         if loops != self._loops:
             self._loops, self._chunk = loops, ChunkSize()
         run = self.group.current.run
-        if self.group.program is None:  # a program is only waited for
-            steps = min(steps, self._chunk.steps)
+        if in_chunks and self.group.program is None:  # a program is only waited for
+            steps = min(steps, self._chunk.steps if self._automatic else PIECE)
         before, start = run.step, self._clock()
         if self._automatic:
             run.learner.set_time_budget(CHUNK)
@@ -303,7 +325,7 @@ class Transport:
         return taken
 
     def continue_seek(self, seconds: float) -> bool:
-        """Seek for about `seconds` and return True if all runs have arrived."""
+        """Seek for about `seconds`. Return True on arrival."""
         now = self._clock()
         until = now + seconds
         while self.group.seeking:
@@ -326,7 +348,7 @@ class Transport:
         return True
 
     def has_news(self) -> bool:
-        """Return True if it is time to show the progress of a seek."""
+        """Return True if a seek's progress is due."""
         now = self._clock()
         if now - self._last_news < NEWS_EVERY:
             return False
@@ -335,14 +357,12 @@ class Transport:
 
     @property
     def steps_to_seek(self) -> int:
-        """Steps left for the run that is seeking."""
+        """Steps left to seek."""
         done, steps = self.group.progress
         return steps - done
 
     def seek_message(self, *, waits: bool) -> str:
-        """Describe the progress of a seek with the time left, if known. `waits` is True while it waits for
-        machine code.
-        """
+        """Describe a seek, which may wait for machine code."""
         if waits:
             return WAITING.format(steps=self.steps_to_seek)
         done, steps = self.group.progress

@@ -1,4 +1,4 @@
-"""The JSON document of a session, with the limits of its fields."""
+"""The JSON document of a session, with its limits."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ DrawnChoice = Annotated[tuple[Place, Place], Field(strict=False)]
 
 
 class Part(BaseModel):
-    """An object of the document. Values are not converted, and unknown keys are refused."""
+    """An object that converts no values and refuses unknown keys."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
@@ -73,9 +73,10 @@ class Part(BaseModel):
 
 
 class Entry(Part):
-    """A change after `step` steps. Its keys are one of: `set` and `to` (a parameter), `algorithm`, `take`
-    (an action of the user, by name or number), `sweep` (an order to a planner), or `world` (an edit as on
-    the command line, an undo or a redo).
+    """A change after `step` steps.
+
+    Its keys are one of: `set` and `to` (a parameter), `algorithm`, `take` (an action of the user, by name or
+    number), `sweep` (an order to a planner), or `world` (an edit as on the command line, an undo or a redo).
     """
 
     step: Count
@@ -88,7 +89,7 @@ class Entry(Part):
 
 
 class StoredBranch(Part):
-    """A branch: `shared` counts the entries taken from its parent, and `journal` has the others."""
+    """A branch: `shared` counts its parent's entries, and `journal` has the others."""
 
     name: Name
     parent: Annotated[int, Field(ge=0, lt=MOST_BRANCHES)] | None = None
@@ -100,7 +101,7 @@ class StoredBranch(Part):
 
 
 class StoredLane(Part):
-    """A run: its start, its branches, and the number of the current one."""
+    """A run: its start, branches, and current one."""
 
     seed: Annotated[int, Field(ge=0)]
     algorithm: Word
@@ -121,13 +122,13 @@ class StoredLane(Part):
 
     @property
     def algorithm_in_force(self) -> str:
-        """Current algorithm, including switches on ancestor branches."""
+        """Current algorithm, perhaps an ancestor's."""
         switches = (entry.algorithm for entry in self._entries_in_force() if entry.algorithm is not None)
         return next(switches, self.algorithm)
 
     @property
     def settings_in_force(self) -> dict[str, Value]:
-        """Current hyper-parameters by name."""
+        """Current hyperparameters by name."""
         settings = dict[str, Value]()
         for entry in self._entries_in_force():
             if entry.set is not None and entry.to is not None:
@@ -135,7 +136,6 @@ class StoredLane(Part):
         return {**self.hyperparameters, **settings}
 
     def _entries_in_force(self) -> Iterator[Entry]:
-        """Yield the changes up to the current position, the last one first."""
         branch: StoredBranch | None = self.branches[self.branch]
         here, own = self.branches[self.branch].here, MOST_ENTRIES
         while branch is not None:
@@ -146,7 +146,7 @@ class StoredLane(Part):
 
 
 class StoredScenario(Part):
-    """The world: the text of its file, or the id of a Gymnasium environment."""
+    """The world: the text of its file, or a Gymnasium id."""
 
     id: Annotated[str, Field(min_length=1, max_length=400), AfterValidator(_plain)]
     kind: Literal["file", "gymnasium"]
@@ -162,7 +162,7 @@ class StoredBreakpoints(Part):
 
 
 class StoredTable(Part):
-    """Estimates of the visible run at its position: Q and visits of each pair, and the state of the agent."""
+    """Q and visits of each pair, and the agent's state."""
 
     q: Annotated[tuple[Number, ...], FailFast(), Field(max_length=MOST_PAIRS_KEPT, strict=False)]
     visits: Annotated[tuple[Count, ...], FailFast(), Field(max_length=MOST_PAIRS_KEPT, strict=False)]
@@ -172,12 +172,12 @@ class StoredTable(Part):
     @model_validator(mode="after")
     def _check_numbers(self) -> StoredTable:
         if len(self.q) != len(self.visits):
-            raise ValueError(f"Q of {len(self.q):,} pairs, but visits of {len(self.visits):,}")
+            raise ValueError(f"Q has {len(self.q):,} pairs, but visits has {len(self.visits):,}")
         return self
 
 
 class StoredGiven(Part):
-    """An answer on a page: a number, or the index of a choice. `step` is -1 without a run."""
+    """An answer: a number or choice. `step` is -1 without a run."""
 
     page: Name
     answer: Number
@@ -187,7 +187,7 @@ class StoredGiven(Part):
 
 
 class StoredPassed(Part):
-    """A passed task, with the run that proves it, up to `step`."""
+    """A passed task, proved by a run up to `step`."""
 
     page: Name
     scenario: StoredScenario
@@ -201,8 +201,10 @@ class StoredPassed(Part):
 
 
 class StoredLesson(Part):
-    """A lesson and its progress. `text` is the whole file, so that the session works anywhere. `source` is
-    its path, empty for a shipped lesson. `hints` are counts by page.
+    """Progress in a lesson.
+
+    `text` is the whole file, so that the session works anywhere. `source` is its path, empty for a shipped
+    lesson. `hints` are counts by page.
     """
 
     id: Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_plain)]
@@ -248,17 +250,17 @@ class Document(Part):
         if self.version == 1 and self.lesson is not None:
             raise ValueError("a session of format 1 has no lesson")
         if self.shown >= len(self.lanes):
-            raise ValueError(f"there is no lane {self.shown}")
+            raise ValueError(f"there is no run {self.shown}")
         return self
 
     @property
     def changes(self) -> int:
-        """Number of changes in all runs. Those shared by branches count once."""
+        """Changes in all runs, shared ones once."""
         return sum(len(branch.journal) for lane in self.lanes for branch in lane.branches)
 
 
 def stored_source(lesson: Lesson) -> str:
-    """Return the path of the lesson's file, or "" if it is shipped, because that exists everywhere."""
+    """Return a lesson's path, "" if it is shipped."""
     from rl_tui.lessons.lesson import lesson_folder  # most sessions are of no lesson
 
     return "" if lesson.source.parent == lesson_folder() else str(lesson.source)

@@ -1,4 +1,4 @@
-"""Conversion between records and documents, for runs and for progress in lessons."""
+"""Conversion between records and documents."""
 
 from __future__ import annotations
 
@@ -50,16 +50,10 @@ from rl_tui.worlds.files.shipped import SUFFIX
 
 
 def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[str, Any]:
-    """Convert `record` to JSON data, with the current time.
+    """Convert `record` to JSON data, with the current time. Raises UserError above a limit of the reader.
 
-    Args:
-        record: Record to save.
-        title: Name given by the user, or "".
-        kept: True if the user saved it.
-        digest: Digest of Q at the position of the visible run, or "".
-
-    Raises:
-        UserError: The record exceeds a limit of the reader.
+    `title` is the user's or "", `kept` is True if the user saved it, and `digest` is that of the visible
+    run's Q, or "".
     """
     scenario = record.lanes[0].recipe.scenario
     fields = {
@@ -124,7 +118,6 @@ def _stored_branch(branch: Branch, branches: Sequence[Branch]) -> dict[str, Any]
 
 
 def _stored_table(table: LearnedTable) -> dict[str, Any] | None:
-    """Convert `table` to JSON data, or None if it is large or not finite."""
     if len(table.q) > MOST_PAIRS_KEPT or not np.isfinite(table.q).all():
         return None
     return {
@@ -136,7 +129,6 @@ def _stored_table(table: LearnedTable) -> dict[str, Any] | None:
 
 
 def _stored_scenario(scenario: Scenario) -> dict[str, str]:
-    """Convert `scenario` to JSON data. Raises UserError if its file is unknown."""
     if scenario.id.startswith(PREFIX):
         return {"id": scenario.id, "kind": "gymnasium", "title": scenario.title}
     if not scenario.text:
@@ -153,7 +145,6 @@ def _stored_recipe(recipe: Recipe) -> dict[str, Any]:
 
 
 def _stored_journal(journal: Iterable[JournalEntry]) -> list[dict[str, Any]]:
-    """Convert `journal` to JSON data. Raises UserError if it exceeds the limit of the reader."""
     stored = [_stored_entry(entry) for entry in journal]
     if len(stored) > MOST_ENTRIES:
         raise UserError(f"there are more than {MOST_ENTRIES:,} changes")
@@ -168,7 +159,6 @@ def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
 
 
 def _stored_lesson(record: LessonRecord) -> dict[str, Any]:
-    """Convert progress in a lesson to JSON data. Raises UserError if it exceeds a limit of the reader."""
     lesson = record.lesson
     if len(lesson.text) > LONGEST_LESSON:
         raise UserError(f"the lesson has more than {LONGEST_LESSON:,} characters")
@@ -217,7 +207,7 @@ def _stored_passed(passed: Passed) -> dict[str, Any]:
 
 
 def record_of(document: Document) -> Record:
-    """Convert `document` to a record. Raises UserError, in one line, if its parts do not fit together."""
+    """Convert `document` to a record. Raises UserError, in one line, if parts do not fit."""
     scenario = _scenario(document.scenario)
     lanes = enumerate(document.lanes)
     return Record(
@@ -269,7 +259,6 @@ def _branches(lane: StoredLane, lane_place: str) -> Iterator[Branch]:
 
 
 def _scenario(stored: StoredScenario) -> Scenario:
-    """Return the scenario. Raises UserError, in one line, if it cannot be played."""
     if stored.kind == "gymnasium":
         return environment_scenario(stored.id)
     try:
@@ -289,17 +278,6 @@ def _recipe(
 
 
 def _journal(stored: Iterable[Entry], place: str, end: int, latest: int = 0) -> Iterator[JournalEntry]:
-    """Yield the entries of a journal.
-
-    Args:
-        stored: Entries in the document.
-        place: Position in the document.
-        end: Last step of the branch.
-        latest: Step of the entry before the first.
-
-    Raises:
-        UserError: An entry is impossible, out of order, or beyond `end`.
-    """
     _check_order(0, latest, end, place)
     for number, each in enumerate(stored):
         _check_order(latest, each.step, end, place)
@@ -334,7 +312,7 @@ def _check_algorithm(algorithm: str, place: str) -> None:
 
 def _changed(values: Hyperparameters, name: str, value: Value, place: str) -> Hyperparameters:
     if name not in PARAMETERS:
-        raise UserError(f"{place}: there is no hyper-parameter {shown(name)}{near(name, PARAMETERS)}")
+        raise UserError(f"{place}: there is no setting {shown(name)}{near(name, PARAMETERS)}")
     try:
         return values.changed(name, value)
     except ValueError as fault:
@@ -342,9 +320,6 @@ def _changed(values: Hyperparameters, name: str, value: Value, place: str) -> Hy
 
 
 def _lesson_record(stored: StoredLesson) -> LessonRecord:
-    """Convert progress in a lesson. Raises UserError, in one line, if the text of the lesson has errors,
-    or parts do not fit together.
-    """
     lesson = _lesson(stored)
     pages = {page.id: page for page in lesson.pages}
     _check_pages("page", [stored.page], pages)
@@ -376,9 +351,7 @@ def _lesson(stored: StoredLesson) -> Lesson:
 
 
 def _without_path(fault: UserError, source: Path) -> str:
-    """Return the first line of an error in the lesson's text, without the path, because the text does not
-    come from that file.
-    """
+    """Return an error's first line without the path, from which the lesson's text does not come."""
     return str(fault).splitlines()[0].removeprefix(f"{source}: ")
 
 
@@ -400,7 +373,6 @@ def _given(stored: StoredGiven, lesson: Lesson, place: str) -> Given:
 
 
 def _passed(stored: StoredPassed, known: dict[StoredScenario, Scenario], place: str) -> Passed:
-    """Convert the evidence of a task. `known` caches scenarios."""
     scenario = known.get(stored.scenario)
     if scenario is None:
         scenario = known[stored.scenario] = _scenario(stored.scenario)

@@ -1,6 +1,4 @@
-"""Grading of sessions: which tasks of a lesson their runs pass. The runs are replayed, and claims without
-a run do not count.
-"""
+"""Grading of sessions: the tasks that their replayed runs pass. Claims without a run do not count."""
 
 from __future__ import annotations
 
@@ -47,8 +45,10 @@ _MOST_ENTRIES: Final = 1_000_000
 
 
 class PredictionScore(NamedTuple):
-    """Number of predictions `made`, `right`, and `locked`. A locked one was given at a step that a run in
-    the session reached with the same changes, or at which its setup begins.
+    """Predictions `made`, `right`, and `locked`.
+
+    A locked one was given at a step that a run in the session reached with the same changes, or at which its
+    setup begins.
     """
 
     right: int = 0
@@ -60,24 +60,13 @@ NO_PREDICTIONS: Final = PredictionScore()
 
 
 class _Known(NamedTuple):
-    """A run of the session up to the step `end`."""
-
     recipe: Recipe
     journal: Sequence[JournalEntry]
     end: int
 
 
 def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> PredictionScore:
-    """Score the predictions of `taken`. The first answer on each page counts.
-
-    Args:
-        taken: Progress in the lesson.
-        lesson: Lesson that says which answers are right.
-        record: Runs of the session.
-
-    Raises:
-        UserError: A setup cannot be played.
-    """
+    """Score first predictions. Raises UserError if a setup cannot be played."""
     asked = {page.id: page.prediction for page in lesson.counted_predictions if page.prediction is not None}
     made = [given for page in asked if (given := taken.given_on(page)) is not None]
     right = sum(asked[given.page].is_right(given.answer) for given in made)
@@ -94,7 +83,6 @@ def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predi
 
 
 def _locked(lesson: Lesson, setup: str, made: Sequence[Given], known: Sequence[_Known]) -> int:
-    """Count the predictions of one setup that were given at a moment of one of its runs."""
     begins = recipe_of(lesson, setup)
     names = begin(begins).world.space.action_names
     steps = sorted({given.step for given in made if given.step >= 0})
@@ -113,7 +101,6 @@ def _is_possible(run: _Known, names: Sequence[str]) -> bool:
 
 
 def _digests(run: _Known, steps: Sequence[int], names: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Yield the digests of `run` at those of the ascending `steps` that it reached."""
     digest, place = RunDigest(run.recipe), 0
     for step in steps:
         if step > run.end:
@@ -140,7 +127,7 @@ _MOST_SESSIONS: Final = 1_000
 
 @dataclass(frozen=True, slots=True)
 class GradedTask:
-    """The result of a task, with the id and title of its page."""
+    """A task's result, with the id and title of its page."""
 
     id: str
     title: str
@@ -150,7 +137,7 @@ class GradedTask:
 
 @dataclass(frozen=True, slots=True)
 class GradedSession:
-    """The result of a session. `remarks` are sentences about what was ignored."""
+    """A session's result. `remarks` say what was ignored."""
 
     path: Path
     tasks: tuple[GradedTask, ...] = ()
@@ -166,11 +153,10 @@ class GradedSession:
 
 
 class LessonGrading:
-    """Grades sessions by the lesson `name`, an id or a file. With `runs_programs`, programs in the
-    sessions are run and watched, without a sandbox. Otherwise their tasks are not judged.
+    """Grades sessions by the lesson `name`, an id or a file. Raises UserError without a lesson or task.
 
-    Raises:
-        UserError: There is no such lesson, or it has no task.
+    With `runs_programs`, programs are run and watched, without a sandbox. Otherwise their tasks are not
+    judged.
     """
 
     def __init__(self, name: str, *, runs_programs: bool = False) -> None:
@@ -182,16 +168,12 @@ class LessonGrading:
         """The lesson, in its first variant if it has several."""
 
     def grade(self, path: Path) -> GradedSession:
-        """Grade the session in the file `path`.
-
-        Raises:
-            SessionError: The file is not a playable session.
-        """
+        """Grade the session in `path`. Raises SessionError if unplayable."""
         record = read_session(path).record()
         remarks = list[str]()
         taken = record.lesson
         if taken is not None and taken.lesson.id != self.lesson.id:
-            remarks.append(f"It is a session of the lesson {taken.lesson.id}: only its runs are judged.")
+            remarks.append(f"This is a session of the lesson {taken.lesson.id}, so only its runs are judged.")
             taken = None
         try:
             lesson = self._variant("" if taken is None else taken.lesson.variant)
@@ -216,7 +198,7 @@ class LessonGrading:
         predictions = NO_PREDICTIONS if taken is None else predictions_in(taken, lesson, record)
         remarks += [*search.remarks[:_MOST_REMARKS], *panels.remarks]
         if len(search.remarks) > _MOST_REMARKS:
-            remarks.append(f"So were {len(search.remarks) - _MOST_REMARKS:,} more.")
+            remarks.append(f"{len(search.remarks) - _MOST_REMARKS:,} more remarks are not shown.")
         return GradedSession(path, graded, predictions, tuple(remarks))
 
     def _judged(self, task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
@@ -235,11 +217,7 @@ class LessonGrading:
 
 
 def sessions_to_grade(target: Path) -> list[Path]:
-    """Return the file `target`, or the session files in that folder by name.
-
-    Raises:
-        UserError: The folder has none, or more than 1,000.
-    """
+    """Return the file, or a folder's sessions by name. Raises UserError for none, or more than 1,000."""
     if not target.is_dir():
         return [target]
     files = files_in(target)
@@ -272,7 +250,6 @@ def grade_report(lesson: Lesson, graded: GradedSession) -> dict[str, Any]:
 
 
 def _check(lesson: Lesson) -> None:
-    """Raise UserError if the lesson has no task."""
     if not lesson.tasks:
         raise UserError(f"the lesson {lesson.id} sets no task, so nothing can be graded")
 
@@ -282,7 +259,6 @@ def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:
 
 
 def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
-    """Judge the task by a replay of `evidence`, if it is short enough."""
     if evidence.claim:
         return judged_claim(task, Run(task.setup, evaluate=False), panels)
     reason = elsewhere(task.setup, evidence.recipe)
@@ -301,8 +277,6 @@ def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_st
 
 
 class _FewPanels:
-    """The `panels` of one session, limited to the first settings."""
-
     waits = ""
 
     def __init__(self, panels: Panels) -> None:
@@ -311,7 +285,6 @@ class _FewPanels:
         self._left_out = False
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
-        """Return the verdict on each of `conditions` for runs of `recipe`."""
         if not any(same_panel(*asked, recipe, conditions) for asked in self._asked):
             if len(self._asked) >= _MOST_PANELS:
                 self._left_out = True
@@ -321,14 +294,11 @@ class _FewPanels:
 
     @property
     def remarks(self) -> list[str]:
-        """Remark about settings that were left out."""
-        said = f"Only the first {_MOST_PANELS} settings were tried under many seeds: there are more."
+        said = f"Only the first {_MOST_PANELS} settings were tried under many seeds. The session has more."
         return [said] if self._left_out else []
 
 
 class _Search:
-    """Searches runs for moments at which tasks are passed. `views` has the best result for each page."""
-
     def __init__(self, views: dict[str, TaskView], panels: Panels) -> None:
         self._views = views
         self._panels = panels
@@ -337,7 +307,6 @@ class _Search:
         self.remarks = list[str]()
 
     def look_at(self, tasks: Sequence[JudgedTask], recipe: Recipe, branch: Branch) -> None:
-        """Search `branch` for a moment that passes an open task in `tasks`."""
         wanted = [
             task
             for task in tasks
@@ -376,9 +345,6 @@ class _Search:
 
 
 def _moments(branch: Branch) -> Iterator[int]:
-    """Yield the steps at which a branch is checked: its end, its current step, and after the first 1,000
-    actions of the user.
-    """
     by_hand = [
         entry.step + 1
         for entry in branch.journal
@@ -392,8 +358,6 @@ def _not_done(task: JudgedTask, reason: str) -> TaskView:
 
 
 def _better(view: TaskView, best: TaskView) -> TaskView:
-    """Return the passed result, or the one with more conditions met, else the first."""
-
     def rank(each: TaskView) -> tuple[bool, int]:
         return each.passed is not None, sum(condition.holds is True for condition in each.conditions)
 

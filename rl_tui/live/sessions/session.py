@@ -1,6 +1,4 @@
-"""Session files: one JSON file for each session. The document model is imported only to read or write one,
-so the start screen does not wait for it.
-"""
+"""Session files, one JSON file each. The start screen does not wait for the document model."""
 
 from __future__ import annotations
 
@@ -44,7 +42,7 @@ _LONGEST_FAULT: Final = 300
 
 
 class SessionError(UserError):
-    """A file that is not a valid session: its `path`, and the `fault` with a remedy."""
+    """An invalid session file: its `path`, and the `fault` with a remedy."""
 
     def __init__(self, path: Path, fault: str) -> None:
         super().__init__(f"{one_line(str(path), 1000)}: {one_line(fault, _LONGEST_FAULT)}")
@@ -54,7 +52,7 @@ class SessionError(UserError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StoredSession:
-    """A valid session file at the time of reading. `written` distinguishes it from a later version."""
+    """A valid session file. `written` distinguishes it from a later version."""
 
     path: Path
     document: Document
@@ -62,27 +60,25 @@ class StoredSession:
 
     @property
     def title(self) -> str:
-        """Name given by the user, or title of the lesson or scenario."""
+        """Title by user, lesson or scenario."""
         document = self.document
         lesson = "" if document.lesson is None else document.lesson.title
         return document.title or lesson or document.scenario.title or document.scenario.id
 
     @property
     def saved(self) -> datetime:
-        """Time of the last save, in UTC."""
+        """Last save, in UTC."""
         return datetime.fromisoformat(self.document.saved).astimezone(UTC)
 
     @property
     def step(self) -> int:
-        """Current step of the visible run."""
+        """Step of the visible run."""
         lane = self.document.lanes[self.document.shown]
         return lane.branches[lane.branch].here
 
     @property
     def is_blank(self) -> bool:
-        """True if there is nothing to resume: no step, no drawing, no name. Sessions of lessons are never
-        blank.
-        """
+        """True without step, drawing, name or lesson."""
         document = self.document
         branches = [branch for lane in document.lanes for branch in lane.branches]
         has_steps = any(branch.end for branch in branches)
@@ -91,7 +87,7 @@ class StoredSession:
 
     @property
     def stays(self) -> bool:
-        """True if it is never pruned: saved by the user, or part of a lesson."""
+        """True if saved by the user or a lesson's, and never pruned."""
         return self.document.kept or self.document.lesson is not None
 
     @property
@@ -101,14 +97,12 @@ class StoredSession:
 
     @property
     def changes(self) -> int:
-        """Number of changes in all runs and branches."""
+        """Number of changes in all branches."""
         return self.document.changes
 
     @lru_cache(maxsize=1)  # noqa: B019  # one is opened at a time: checked first, then put on the screen
     def record(self) -> Record:
-        """Return the record to resume. Raises SessionError if its scenario or a change cannot be used
-        here.
-        """
+        """Return the record to resume. Raises SessionError if unusable here."""
         from rl_tui.live.sessions.encoding import record_of
 
         try:
@@ -118,11 +112,7 @@ class StoredSession:
 
 
 def read_session(path: Path) -> StoredSession:
-    """Read the session in the file `path`.
-
-    Raises:
-        SessionError: The file is not a valid session, or this is a kiosk.
-    """
+    """Read a session. Raises SessionError if invalid, or in a kiosk."""
     if in_kiosk():
         raise SessionError(path, "kiosk mode opens no files: only the shipped scenarios")
     try:
@@ -133,16 +123,9 @@ def read_session(path: Path) -> StoredSession:
 
 
 def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str = "") -> bytes:
-    """Encode `record` as the content of a session file.
+    """Encode `record` as a session file. Raises UserError if it is too large, or its scenario's file unknown.
 
-    Args:
-        record: Record to save.
-        title: Name given by the user, or "".
-        kept: True if the user saved it. Other sessions are pruned when there are many.
-        digest: Digest of Q at the position of the visible run, or "".
-
-    Raises:
-        UserError: The session is too large, or the file of its scenario is unknown.
+    Sessions without `kept` may be pruned. `digest` is that of the visible run's Q, or "".
     """
     from rl_tui.live.sessions.encoding import document_of
 
@@ -157,7 +140,7 @@ def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str 
 
 
 def digest_of(q: FloatArray) -> str:
-    """Return a digest of all bits of `q`, `[P]`, or "" above 100,000 pairs."""
+    """Return a digest of all bits of `q`, `[P]`, "" above 100,000 pairs."""
     if len(q) > MOST_PAIRS_DIGESTED:
         return ""
     import numpy as np  # the catalogue lists sessions before it is needed
@@ -170,7 +153,7 @@ def _document(path: Path, content: bytes) -> Document:
 
     fields = _fields(path, content, FORMAT)
     if fields.get("format") != FORMAT:
-        raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
+        raise SessionError(path, "is not a session; choose a file that rl-tui saved")
     version = fields.get("version")
     if isinstance(version, int) and version > VERSION:
         raise SessionError(
@@ -209,7 +192,7 @@ def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
             raise SessionError(path, "is incomplete or damaged; open an earlier copy") from error
         raise SessionError(path, "is not JSON, so it is not a session of rl-tui") from error
     if not isinstance(fields, dict):
-        raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
+        raise SessionError(path, "is not a session; choose a file that rl-tui saved")
     return fields
 
 
@@ -240,9 +223,7 @@ def files_in(folder: Path) -> list[Path]:
 
 
 def sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
-    """Return the sessions in `folder`, the last one saved first, and the errors of other files. Blank
-    sessions are left out.
-    """
+    """Return sessions that are not blank, last saved first, and errors of other files."""
     sound, broken = all_sessions_in(folder)
     return [session for session in sound if not session.is_blank], broken
 
@@ -261,8 +242,9 @@ def all_sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionErro
 
 
 def prune(folder: Path) -> None:
-    """Remove unnamed sessions except the newest 50, blank sessions, and old drafts. Open sessions and
-    those of lessons stay. A failed removal is ignored: it must not prevent saving.
+    """Remove unnamed sessions except the newest 50, blank ones, and old drafts.
+
+    Open sessions and those of lessons stay. A failed removal must not prevent saving.
     """
     unnamed = [session for session in all_sessions_in(folder)[0] if not session.stays]
     worth_keeping = [session for session in unnamed if not session.is_blank][:MOST_UNNAMED]
@@ -278,7 +260,7 @@ def prune(folder: Path) -> None:
 
 
 def remove(session: StoredSession) -> None:
-    """Remove the file of `session`. Raises UserError if it is open elsewhere or cannot be removed."""
+    """Remove a session. Raises UserError if that is impossible, or open elsewhere."""
     lock = FileLock(session.path)
     try:
         if not lock.acquire():
@@ -291,15 +273,13 @@ def remove(session: StoredSession) -> None:
 
 
 def new_path(folder: Path, subject: str) -> Path:
-    """Return a path for a new file, named after subject and time. It is free, unless a thousand similar
-    names are used.
-    """
+    """Return a path named after subject and time, free unless a thousand are used."""
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     return folder / free_name(f"{file_stem(subject)}-{moment}", SUFFIX, folder)
 
 
 def named_path(folder: Path, name: str) -> Path:
-    """Return the path of the session called `name`. Raises UserError if that is not a valid name."""
+    """Return the path of the session `name`. Raises UserError if invalid."""
     from rl_tui.live.sessions.document import LONGEST_NAME
 
     if not name.strip():
@@ -310,6 +290,6 @@ def named_path(folder: Path, name: str) -> Path:
 
 
 def file_stem(name: str) -> str:
-    """Return `name` with letters, digits and dashes only, for any file system."""
+    """Keep only letters, digits and dashes, for any file system."""
     words = re.sub(r"[\W_]+", "-", name.lower()).strip("-")
     return words.encode()[:_LONGEST_STEM].decode(errors="ignore") or "session"

@@ -1,4 +1,4 @@
-"""The verdict on a watched program, from the steps it has reported."""
+"""The verdict on a watched program."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.common.findings import one_line
+from rl_tui.common.findings import command_line, one_line
 from rl_tui.programs.diagnosis.exploration import exploration_of
 from rl_tui.programs.diagnosis.faults.cells import (
     FEWEST_STEPS,
@@ -25,14 +25,16 @@ from rl_tui.programs.diagnosis.faults.lost_updates import (
     proof_of_no_update,
     proof_of_rounding,
 )
-from rl_tui.programs.diagnosis.faults.predictions import Predictions, by_the_environment
+from rl_tui.programs.diagnosis.faults.predictions import by_the_environment
 from rl_tui.programs.diagnosis.update_rule import update_of
-from rl_tui.programs.evidence.code_names import CodeNames, declared_discount, names_of
+from rl_tui.programs.evidence.code_names import DISCOUNTS, declared, names_of
 from rl_tui.programs.evidence.code_places import ProgramCode, program_code
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import (
+    UNUSUAL_TARGETS,
     CodeFault,
     CodeFinding,
+    CountedVisits,
     MovedCell,
     ProgramVerdict,
     Rule,
@@ -45,20 +47,68 @@ from rl_tui.programs.watched.program_log import FoundTable, ProgramLog
 # Notes on unknown facts
 
 
-MOVES_WITHOUT_GAMMA: Final = "The table changes as with γ 0"
+MOVES_WITHOUT_GAMMA: Final = "The table changes as if γ = 0"
 _LONGEST: Final = 80
-_UNUSUAL: Final = (UpdateTarget.SAME_ACTION, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.NOTHING)
+
+
+_VISITS: Final[Mapping[CountedVisits, str]] = {
+    "first": "Only the first visit to a pair in an episode counts: first-visit Monte Carlo.",
+    "every": "Every visit to a pair in an episode counts: every-visit Monte Carlo.",
+    "last": (
+        "Only the last visit to a pair in an episode counts. First-visit Monte Carlo counts only the first."
+    ),
+}
+
+
+def note_on_two_tables(evidence: Evidence, table: FoundTable) -> tuple[str, ...]:
+    """Describe two tables that are shown as one."""
+    if not evidence.is_pair:
+        return ()
+    name, other = one_line(table.name, _LONGEST), one_line(table.other, _LONGEST)
+    option = one_line(command_line(("--table", table.name)), _LONGEST)
+    return (f"{name} and {other} change in turn. Their mean is shown. {option} shows only {name}.",)
 
 
 def notes_on(
     evidence: Evidence, update: UpdateFound, dtype: str, numbers: Mapping[str, float]
-) -> tuple[str, ...]:
-    """Return sentences about unknown facts. `numbers` are those in the code, by name."""
-    return tuple(_notes(evidence, update, dtype, numbers))
+) -> Iterator[str]:
+    """Yield sentences about unknown facts."""
+    if not evidence.changes.step.size:
+        rewards = int(np.count_nonzero(evidence.reward))
+        came = f"{rewards:,} rewards arrived" if rewards else "No reward arrived"
+        yield f"{came}, and the table has not changed yet."
+        return
+    discount = declared(numbers, DISCOUNTS)
+    if update.gamma == 0.0 and discount is not None and discount[1] > 0.0:
+        yield _without_discount(evidence, *discount)
+    elif update.reason:
+        yield update.reason
+    if update.rule is Rule.UNKNOWN:
+        yield from _few_of_the_next_state(evidence)
+    if update.visits is not None:
+        yield _VISITS[update.visits]
+    if update.rule in (Rule.UNKNOWN, Rule.MONTE_CARLO):
+        yield "The ends of episodes are not checked for this update."
+        return
+    if update.gamma is None:
+        yield "γ is not known yet: the values of the next states were 0, or always the same."
+    elif update.target is UpdateTarget.DRAWN:
+        yield (
+            "The target contains Q(s′, b), but action b is not always the best or the next one, as if it was "
+            "drawn separately. SARSA takes the action that its target contains."
+        )
+    elif update.target in UNUSUAL_TARGETS:
+        yield f"The target uses {update.target} as the value of the next state."
+    if update.reward == "own":
+        yield "The program uses its own reward, so the ends of episodes are not checked."
+    if update.place is MovedCell.ONE_LATE:
+        yield "Each update comes one step late."
+    if dtype.startswith("float16"):
+        yield "The table has the type float16, so estimates have only three digits."
 
 
 def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
-    """Return a sentence about steps in environments with other sizes than the table."""
+    """Describe steps in environments of other sizes."""
     if log.table is None or log.recording.initial is None:
         return ()
     cells = len(log.recording.initial)
@@ -76,43 +126,7 @@ def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
     )
 
 
-def _notes(
-    evidence: Evidence, update: UpdateFound, dtype: str, numbers: Mapping[str, float]
-) -> Iterator[str]:
-    if not evidence.changes.step.size:
-        rewards = int(np.count_nonzero(evidence.reward))
-        came = f"{rewards:,} rewards arrived" if rewards else "no reward arrived"
-        yield f"The update is unknown: no number of the table has changed yet, and {came}."
-        return
-    discount = declared_discount(numbers)
-    if update.gamma == 0.0 and discount is not None and discount[1] > 0.0:
-        yield _without_discount(evidence, *discount)
-    elif update.reason:
-        yield update.reason
-    if update.rule is Rule.UNKNOWN:
-        yield from _few_of_the_next_state(evidence)
-    if update.rule in (Rule.UNKNOWN, Rule.MONTE_CARLO):
-        yield "The update is unknown, so the ends of episodes are not checked."
-        return
-    if update.gamma is None:
-        yield "γ is not known yet: the values of the next states were 0, or always the same."
-    elif update.target is UpdateTarget.DRAWN:
-        yield (
-            "The target holds Q(s′, b). Action b is not always the best one or the next one, as if it is "
-            "drawn a second time. SARSA takes the action of its target."
-        )
-    elif update.target in _UNUSUAL:
-        yield f"The target takes {update.target} for the value of the next state."
-    if update.reward == "own":
-        yield "The program uses its own reward, so the ends of episodes are not checked."
-    if update.place is MovedCell.ONE_LATE:
-        yield "Each update comes one step late."
-    if dtype.startswith("float16"):
-        yield "The table holds float16: estimates have three digits."
-
-
 def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
-    """Return the note for a program that moves its table as with γ = 0, although the code has `gamma`."""
     table = np.nan_to_num(evidence.recording.table_at(evidence.recording.count))
     highest = table.reshape(-1, evidence.actions).max(0)
     text = (
@@ -121,14 +135,13 @@ def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
     )
     if np.all(highest == 0.0) and np.all(evidence.changes.after <= 0.0):
         text += (
-            " A maximum over states instead of actions, as in max(Q[:, a]), would explain this: here it was "
-            "always 0."
+            " A maximum over states instead of actions, as in max(Q[:, a]), would explain this: that "
+            "maximum was always 0."
         )
     return text
 
 
 def _few_of_the_next_state(evidence: Evidence) -> Iterator[str]:
-    """Yield a note if all changes are in the row of the next state, but too few for a proof."""
     cell = evidence.only_change[0]
     at = np.flatnonzero((cell >= 0) & (evidence.state != evidence.next_state))
     moved = evidence.next_state[at] * evidence.actions + evidence.action[at]
@@ -150,6 +163,7 @@ _HIDDEN_BY: Final = {
         {CodeFault.LOSES_UPDATE, CodeFault.FIRST_OF_TIES, CodeFault.NEVER_EXPLORES}
     ),
     CodeFault.SHARED_TABLE: frozenset({CodeFault.WRONG_CELL, CodeFault.UPDATES_AFTER_MOVING}),
+    CodeFault.WRONG_FORMULA: frozenset({CodeFault.STEP_SIZE_OUT_OF_RANGE}),
     CodeFault.UPDATES_AFTER_MOVING: frozenset({CodeFault.BOOTSTRAPS_AFTER_END}),
 }
 """Faults that are consequences of another, which is reported alone."""
@@ -158,37 +172,42 @@ _HIDDEN_BY: Final = {
 def findings_of(
     evidence: Evidence, update: UpdateFound, log: ProgramLog, *, done_is_either: bool = False
 ) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
-    """Diagnose the program of `log`.
+    """Return findings about a program, and notes about unknown facts.
 
-    Args:
-        evidence: Its steps and changes.
-        update: The update rule found.
-        log: Everything it reported.
-        done_is_either: True if an agent receives one flag for terminal and truncated ends.
-
-    Returns:
-        Findings, and notes about unknown facts.
+    `done_is_either` is True if an agent gets one flag for terminal and truncated ends.
     """
-    if log.table is None or not len(evidence):
+    table = log.table
+    if table is None or not len(evidence):
         return (), ()
-    with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers diverge
-        return _found(evidence, update, log, log.table, done_is_either=done_is_either)
-
-
-def _found(
-    evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable, *, done_is_either: bool
-) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
     code = program_code(log)
     names = names_of(code, table, update, log.numbers)
-    predictions = by_the_environment(evidence, update, table.dtype)
-    proofs = [
-        *_without_a_rule(evidence, update, log, table, code, names),
-        *_by_the_rule(predictions, update, log, code, names, done_is_either=done_is_either),
-    ]
+    with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers diverge
+        predictions = by_the_environment(evidence, update, table.dtype)
+        proofs = [
+            proof_of_sharing(evidence, log.shared_at, names),
+            proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=code.always_writes),
+            proof_of_no_update(evidence, names, code, is_over=log.ended),
+            proof_of_cell(evidence, names, plans=code.reads_transitions),
+            proof_of_formula(evidence, update, log, names),
+            proof_of_steps_after_end(evidence, log, names),
+            proof_of_risk(evidence, log, names),
+        ]
+        if predictions.is_known:
+            is_other = predictions.update != update and code.gives_other(names.reward)
+            case = Case(
+                predictions,
+                evidence.reward,
+                names,
+                log.numbers,
+                done_is_either=done_is_either,
+                may_be_own=code.sets_a_constant or is_other,
+            )
+            proofs += proofs_of(case)
+        notes = tuple(notes_on(evidence, predictions.update, table.dtype, log.numbers))
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
     hidden = frozenset().union(*(_HIDDEN_BY.get(proof.fault, frozenset()) for proof in enough))
     findings = tuple(_finding(proof, code) for proof in enough if proof.fault not in hidden)
-    return findings, notes_on(evidence, predictions.update, table.dtype, log.numbers)
+    return findings, (*note_on_two_tables(evidence, table), *notes)
 
 
 def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
@@ -198,48 +217,6 @@ def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
     code = program_code(log)
     proof = proof_of_missing_update(log, code)
     return () if proof is None else (_finding(proof, code),)
-
-
-def _without_a_rule(
-    evidence: Evidence,
-    update: UpdateFound,
-    log: ProgramLog,
-    table: FoundTable,
-    code: ProgramCode,
-    names: CodeNames,
-) -> Iterator[Proof | None]:
-    writes = code.always_writes
-    yield proof_of_sharing(evidence, log.shared_at, names)
-    yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
-    yield proof_of_no_update(evidence, names, code, is_over=log.ended)
-    yield proof_of_cell(evidence, names, plans=code.reads_transitions)
-    yield proof_of_formula(evidence, update, log, names)
-    yield proof_of_steps_after_end(evidence, log, names)
-    yield proof_of_risk(evidence, log, names)
-
-
-def _by_the_rule(
-    predictions: Predictions,
-    update: UpdateFound,
-    log: ProgramLog,
-    code: ProgramCode,
-    names: CodeNames,
-    *,
-    done_is_either: bool,
-) -> Iterator[Proof | None]:
-    if not predictions.is_known:
-        return
-    yield from proofs_of(
-        Case(
-            predictions,
-            predictions.evidence.reward,
-            names,
-            log.numbers,
-            done_is_either=done_is_either,
-            may_be_own=code.sets_a_constant
-            or (predictions.update != update and code.gives_other(names.reward)),
-        )
-    )
 
 
 def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
@@ -269,7 +246,7 @@ def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
 
 
 def verdict_of(log: ProgramLog) -> ProgramVerdict:
-    """Return the verdict on the program of `log`, with no claim that steps do not prove."""
+    """Return the verdict, which claims only what steps prove."""
     if log.table is None or log.recording.initial is None:
         return ProgramVerdict(findings=findings_without_table(log))
     is_either = log.agent is not None and log.agent.done_is_either
@@ -277,14 +254,8 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
         evidence = Evidence(log.recording)
         update = update_of(evidence, log.numbers, log.table.dtype)
         findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
-        suspected = _suspected(evidence, update, log, log.table)
-        exploration = exploration_of(evidence, update, log.numbers)
+        code = program_code(log)
+        risk = risk_of_choices(evidence, log, names_of(code, log.table, update, log.numbers))
+        exploration = exploration_of(evidence, update, log.numbers, log.table.dtype)
+    suspected = None if risk is None else SuspectedRisk(_finding(risk.proof, code), risk.luck)
     return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)), suspected, exploration)
-
-
-def _suspected(
-    evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable
-) -> SuspectedRisk | None:
-    code = program_code(log)
-    risk = risk_of_choices(evidence, log, names_of(code, table, update, log.numbers))
-    return None if risk is None else SuspectedRisk(_finding(risk.proof, code), risk.luck)

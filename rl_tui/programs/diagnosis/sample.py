@@ -1,4 +1,4 @@
-"""The steps on which hypotheses about an update are tested: a bounded, reproducible choice."""
+"""A bounded, reproducible choice of steps for testing hypotheses."""
 
 from __future__ import annotations
 
@@ -31,17 +31,11 @@ class Sample:
     """n steps with at most one moving cell, at `place`, and the parts of its new value.
 
     Attributes:
-        evidence: All steps.
-        place: The moving cell.
-        at: Indexes of the steps in the evidence, `[n]`.
-        cell: The cell, `[n]`.
-        old: Its value before, `[n]`.
-        new: Its value after, `[n]`.
+        at: Indexes in the evidence, `[n]`.
         reward: Reward of the step that the cell belongs to, `[n]`.
         reward_before: Reward of the previous step, `[n]`.
-        ended: True if it terminated, `[n]`.
-        next_state: Its next state, `[n]`.
-        next_action: Action taken there, −1 at an end, `[n]`.
+        ended: True if the step terminated, `[n]`.
+        next_action: Action taken next, −1 at an end, `[n]`.
         rows: Row of the next state before the step, `[n, A]`.
     """
 
@@ -68,7 +62,7 @@ class Sample:
 
     @cached_property
     def slack(self) -> FloatArray:
-        """Tolerance of a prediction of `new`, `[n]`."""
+        """Tolerance of predictions, `[n]`."""
         precision = self.evidence.precision
         part = 1e-6 if precision < EXACT else 0.05  # old and new may be 0 by cancellation
         largest = np.maximum(np.abs(self.old), np.abs(self.new))
@@ -78,12 +72,12 @@ class Sample:
 
     @cached_property
     def best(self) -> FloatArray:
-        """Greatest value of the next state, max Q(s′), `[n]`."""
+        """Greatest next value, max Q(s′), `[n]`."""
         result: FloatArray = self.rows.max(1)
         return result
 
     def value(self, target: UpdateTarget) -> FloatArray:
-        """Return the value of the next state that `target` reads, `[n]`, NaN if not computed."""
+        """Return the value that `target` reads, `[n]`, NaN if not computed."""
         if target is UpdateTarget.BEST:
             return self.best
         if target is UpdateTarget.NEXT_ACTION:
@@ -101,33 +95,51 @@ class Sample:
             return index
         if target is UpdateTarget.COLUMN:
             return self._column_maxima()
+        if target is UpdateTarget.OTHER_BEST:
+            others: FloatArray = self.other_rows.max(1)
+            return others
+        if target is UpdateTarget.BEST_BY_OTHER:
+            return value_of_choice(self.rows, self.other_rows)
+        if target is UpdateTarget.OTHERS_CHOICE:
+            return value_of_choice(self.other_rows, self.rows)
         return np.zeros(len(self))
+
+    @cached_property
+    def other_rows(self) -> FloatArray:
+        """`rows` of the other of two tables."""
+        return self.evidence.other_rows(self.next_state, self.at)
 
     def _of_actions(self, action: IntArray) -> FloatArray:
         values: FloatArray = self.rows[np.arange(len(self)), action]
         return values
 
     def _column_maxima(self) -> FloatArray:
-        """Return max Q(·, a) for the first moving steps, NaN for others."""
         states = len(self.evidence.initial) // self.evidence.actions
         some = np.flatnonzero(self.change)[: max(50, _COLUMN_CELLS // max(states, 1))]
-        columns = (self.cell[some] % self.evidence.actions)[:, None]
-        cells = columns + self.evidence.actions * np.arange(states)
-        steps = np.broadcast_to(self.evidence.number[self.at[some]][:, None], cells.shape)
         result = np.full(len(self), np.nan)
-        result[some] = self.evidence.history.before(cells, steps).max(1)
+        result[some] = self.evidence.column_maxima(self.cell[some] % self.evidence.actions, self.at[some])
         return result
 
 
+def value_of_choice(choosing: FloatArray, judging: FloatArray) -> FloatArray:
+    """Return the entry of `judging`, `[n, A]`, of the best action in `choosing`, NaN for different ties."""
+    is_best = choosing == choosing.max(1, keepdims=True)
+    low = np.where(is_best, judging, np.inf).min(1)
+    high = np.where(is_best, judging, -np.inf).max(1)
+    result: FloatArray = np.where(low == high, low, np.nan)
+    return result
+
+
 def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
-    """Choose the steps on which an update of the cell at `place` is tested. Left out are episodes without
-    a change (an evaluation, or nothing to learn), truncated steps, abandoned episodes (with an unknown
-    next action), and steps that moved other cells.
+    """Choose the steps on which an update of the cell at `place` is tested.
+
+    Left out are episodes without a change, truncated steps, abandoned episodes (with an unknown next action),
+    and steps that moved other cells.
     """
     moved, before, after = evidence.only_change
     cell = place_of(evidence, place)
     late = place is MovedCell.ONE_LATE
-    fit = evidence.learns & (evidence.changes_of <= 1) & ((moved == cell) | (moved < 0)) & (cell >= 0)
+    fit = evidence.learns & ((moved == cell) | evidence.stays) & (cell >= 0)
     fit &= evidence.next_state * evidence.actions < len(evidence.initial)
     fit &= (evidence.terminated | evidence.has_next) & ~evidence.truncated
     fit &= evidence.number < evidence.runs_away_at
@@ -153,7 +165,7 @@ def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
 
 
 def place_of(evidence: Evidence, place: MovedCell) -> IntArray:
-    """Return the cell at `place` of each step, `[N]`, −1 if there is none."""
+    """Return the cell at `place` of each step, `[N]`, or −1."""
     if place is MovedCell.TAKEN:
         return evidence.cell
     if place is MovedCell.MOVED:
@@ -162,7 +174,6 @@ def place_of(evidence: Evidence, place: MovedCell) -> IntArray:
 
 
 def _chosen(evidence: Evidence, fit: IntArray, moves: BoolArray) -> IntArray:
-    """Return the indexes of the chosen steps among `fit`: all, or some of each kind."""
     if len(fit) <= _FIRST + _SURPRISING + _MOVING + _OTHERS:
         return fit
     moving = moves[fit]
@@ -176,7 +187,6 @@ def _chosen(evidence: Evidence, fit: IntArray, moves: BoolArray) -> IntArray:
 
 
 def _spread(places: IntArray, most: int) -> IntArray:
-    """Return at most `most` of `places` in evenly spaced runs of neighbours."""
     if len(places) <= most:
         return places
     starts = np.linspace(0, len(places) - _RUN, most // _RUN).astype(np.int64)

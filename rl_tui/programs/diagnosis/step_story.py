@@ -1,4 +1,4 @@
-"""One step of a watched program: the moved cells, and the parts of the update."""
+"""The moved cells of a step, and the parts of its update."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NEAR: Final = 1e-5
 
 
 class CellChange(NamedTuple):
-    """A cell of the program's table, state · A + action, with its values before and after."""
+    """A cell of the program's table, state · A + action."""
 
     cell: int
     before: float
@@ -26,21 +26,11 @@ class CellChange(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StepUpdate:
-    """The effect of a step on the table: after = before + step_size · (gathered + discount · bootstrap −
-    before), as in `LastStep`. The parts are None if the update is unknown, or the step departs from it.
+    """The effect of a step on the program's table.
 
-    Attributes:
-        step: Number of the step, from 0.
-        moved: All moved cells.
-        cell: The cell of the update, −1 if unknown.
-        before: Its old value.
-        after: Its new value.
-        step_size: α of the step.
-        gamma: Discount of the rule.
-        gathered: Reward in the target.
-        discount: Factor of the bootstrap.
-        bootstrap: Value of the next state.
-        bootstrap_state: Next state, −1 if none was read.
+    As in `LastStep`, after = before + step_size · (gathered + discount · bootstrap − before). The parts are
+    None if the update is unknown, or the step departs from it. `cell` and `bootstrap_state` are −1 if
+    unknown. Steps count from 0, and `gamma` is the discount of the rule.
     """
 
     step: int
@@ -57,7 +47,7 @@ class StepUpdate:
 
     @property
     def explained(self) -> bool:
-        """True if the update found explains this step."""
+        """True if the update explains it."""
         return self.step_size is not None
 
 
@@ -76,16 +66,9 @@ class _Moment(NamedTuple):
 def update_of_step(
     recording: Recording, update: UpdateFound, step: int, table: FloatArray | None = None
 ) -> StepUpdate:
-    """Explain a step by the update found.
+    """Explain a step, from 0, by the update found. `table`, `[S·A]`, is the one before it, if available.
 
-    Args:
-        recording: Steps and changes.
-        update: The update found.
-        step: Number of the step, from 0.
-        table: Table before it, `[S·A]`, if available.
-
-    Raises:
-        ValueError: The step is no longer stored, or no table was found.
+    Raises ValueError if the step or table is not stored.
     """
     place = step - recording.first
     steps, changes = recording.steps, recording.changes
@@ -108,14 +91,14 @@ def update_of_step(
         return StepUpdate(step, moved, *(only or (NOTHING, 0.0, 0.0)))
     before, after = (moved[0].before, moved[0].after) if moved else (float(table[cell]),) * 2
     bare = StepUpdate(step, moved, cell, before, after)
-    if update.rule is Rule.MONTE_CARLO or (update.rule is Rule.UNKNOWN and update.alpha_schedule is None):
+    is_unknown = update.rule is Rule.UNKNOWN and update.alpha_schedule is None
+    if is_unknown or update.rule is Rule.MONTE_CARLO or recording.initial_pair is not None:
         return bare
     moment = _moment(recording, place, update, table.reshape(-1, recording.actions))
     return _with_parts(bare, update, moment) if moment else bare
 
 
 def _cell(steps: StepColumns, place: int, actions: int, where: MovedCell) -> int:
-    """Return the cell that an update at `where` moves, or −1."""
     if where is MovedCell.ONE_LATE:
         if place == 0 or steps.episode[place - 1] != steps.episode[place]:
             return NOTHING
@@ -125,7 +108,6 @@ def _cell(steps: StepColumns, place: int, actions: int, where: MovedCell) -> int
 
 
 def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatArray) -> _Moment | None:
-    """Return the parts of the target, or None if some are no longer stored."""
     steps = recording.steps
     of = place - 1 if update.place is MovedCell.ONE_LATE else place  # the step whose cell moves
     reward_of = of - 1 if update.uses_reward_before else of
@@ -144,7 +126,6 @@ def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatA
 
 
 def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepUpdate:
-    """Return `bare` with the parts of `update`, if they explain the change."""
     gamma = update.gamma if update.gamma is not None else 0.0
     values = _values(update, moment)
     if moment.ended:  # some programs bootstrap there anyway
@@ -175,14 +156,12 @@ def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepU
 
 
 def _possible(alpha: float, update: UpdateFound) -> bool:
-    """Return True if `alpha` fits the schedule of `update`."""
     if not 0.0 < alpha <= 1.0 + _NEAR:
         return False
     return update.alpha_schedule != "1/N" or abs(1 / alpha - round(1 / alpha)) <= _NEAR / alpha
 
 
 def _values(update: UpdateFound, moment: _Moment) -> list[float]:
-    """Return the values that the target may have read, several if that is unknown."""
     row = moment.table[moment.state]
     best = float(row.max())
     match update.target:

@@ -1,17 +1,19 @@
-"""The update rule of a program, found from the changes of its table. Expected SARSA has three unknowns: α,
-γ and ε. An unknown reward of the program's own cancels between two visits to the same transition.
+"""The update rule of a program, found from the changes of its table.
+
+Expected SARSA has three unknowns: α, γ and ε. An unknown reward of the program's own cancels between two
+visits to the same transition.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from rl_tui.common.words import counted
+from rl_tui.programs.diagnosis.monte_carlo import AT_ENDS, monte_carlo_update
 from rl_tui.programs.diagnosis.one_entry import one_entry_trial
 from rl_tui.programs.diagnosis.sample import EXACT, Sample, place_of, sample_of
 from rl_tui.programs.diagnosis.trial import (
@@ -38,7 +40,7 @@ _SINGULAR: Final = 1e-5
 
 
 def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the best trial of Expected SARSA, or None if α, γ and ε are undetermined."""
+    """Return the best trial of Expected SARSA, if α, γ and ε are determined."""
     inner = np.flatnonzero((sample.change != 0.0) & ~sample.ended)
     mean = sample.value(UpdateTarget.EXPECTED)
     telling = inner[np.abs(sample.best - mean)[inner] > 100 * sample.slack[inner]]
@@ -60,7 +62,6 @@ def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None
 
 
 def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
-    """Solve triples of steps, `[k, 3]`, for α, γ and ε, `[k, 3]`."""
     columns = np.stack((sample.reward - sample.old, sample.best, mean - sample.best), axis=-1)
     matrix, change = columns[triples], sample.change[triples]
     size = np.abs(matrix).max(1, keepdims=True)
@@ -77,8 +78,6 @@ def _with(
     found: tuple[float, float, float],
     numbers: Mapping[str, float],
 ) -> Trial:
-    """Return the trial with the `found` α, γ and ε, or simpler numbers that explain as much."""
-
     def trial(alpha: float, gamma: float, epsilon: float) -> Trial:
         value = np.where(sample.ended, 0.0, sample.best + epsilon * (mean - sample.best))
         return Trial(sample, UpdateTarget.EXPECTED, sample.reward, value, alpha, gamma, epsilon=epsilon)
@@ -92,7 +91,6 @@ def _with(
 def _with_own_epsilons(
     sample: Sample, mean: FloatArray, alpha: float, gamma: float, numbers: Mapping[str, float]
 ) -> Trial:
-    """Return the trial with an ε for each episode, taken from its clearest step."""
     precision = max(sample.evidence.precision, 1e-8)
     alpha, gamma = plainest(alpha, numbers, precision), plainest(gamma, numbers, precision)
     rest = sample.change / alpha - sample.reward + sample.old - gamma * sample.best
@@ -111,119 +109,11 @@ def _with_own_epsilons(
     return trial if varied else replace(trial, epsilon=float(own[0]))
 
 
-# Monte Carlo
-
-
-_MOST_STEPS: Final = 40_000
-_LONGEST: Final = 400
-"""Longest episode in use, in steps."""
-AT_ENDS: Final = 0.9
-"""Share of changes at ends of episodes, in cells taken there."""
-_USUAL: Final = (1.0, 0.9, 0.95, 0.98, 0.99, 0.999)
-
-
-def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound | None:
-    """Return the Monte Carlo update if the returns of episodes prove it, else None."""
-    moved = evidence.changes_of > 0
-    ends = evidence.terminated | evidence.truncated
-    if not np.any(moved) or np.mean(ends[moved]) < AT_ENDS:
-        return None
-    used = evidence.learns & (np.arange(len(evidence)) < _MOST_STEPS)
-    visits = _Visits(evidence, np.flatnonzero(used))
-    if len(visits.old) < FEWEST or visits.inside < AT_ENDS:
-        return None
-    named = [each for each in numbers.values() if 0.0 < each <= 1.0]
-    found = [(gamma, visits.step_size(gamma)) for gamma in dict.fromkeys((*named, *_USUAL))]
-    held = [(gamma, size) for gamma, size in found if size is not None]
-    if not held:
-        return None
-    gamma, size = held[0]
-    return UpdateFound(
-        Rule.MONTE_CARLO,
-        alpha=None if size == 0.0 else plainest(size, numbers, evidence.precision),
-        alpha_schedule="1/N" if size == 0.0 else "constant",
-        gamma=gamma if len(held) == 1 else None,
-        fits=visits.inside,
-        informative=int(np.sum(visits.left > 0)),
-    )
-
-
-class _Visits:
-    """The m changes of cells that were taken exactly once in their episode. `inside` is the share of all
-    changes in cells of their episode. `left`, `[m]`, is the number of later steps in the episode.
-    """
-
-    def __init__(self, evidence: Evidence, used: IntArray) -> None:
-        self._reward = evidence.reward[used]
-        self._exact = evidence.precision < EXACT
-        episode, cells = evidence.episode[used], len(evidence.initial)
-        self._order = np.lexsort((used, episode))
-        lengths = np.unique(episode, return_counts=True)[1]
-        self._left = np.empty(len(used), np.int64)
-        ends = np.repeat(np.cumsum(lengths), lengths)
-        self._left[self._order] = ends - 1 - np.arange(len(used))
-        changes = evidence.changes
-        step = np.clip(changes.step - evidence.number[0], 0, len(evidence) - 1)
-        kept = np.isin(step, used)
-        of_change = evidence.episode[step[kept]] * cells + changes.cell[kept]
-        visited, first, count = np.unique(
-            episode * cells + evidence.cell[used], return_index=True, return_counts=True
-        )
-        at = np.searchsorted(visited, of_change).clip(0, max(len(visited) - 1, 0))
-        inside = visited[at] == of_change
-        self.inside = float(np.mean(inside)) if len(inside) else 0.0
-        once = inside & (count[at] == 1)
-        self._at = first[at[once]]
-        self.left: IntArray = self._left[self._at]
-        self._cell = changes.cell[kept][once]
-        self.old, self.new = changes.before[kept][once], changes.after[kept][once]
-        self._again = np.ones(len(self._cell), np.bool_)  # a change of a cell that had changed before
-        self._again[np.unique(self._cell, return_index=True)[1]] = False
-
-    def step_size(self, gamma: float) -> float | None:
-        """Return the constant step size towards returns under `gamma`, 0 for 1/N, or None."""
-        distance = self._returns(gamma)[self._at] - self.old
-        size = (self.new - self.old) / distance
-        telling = np.isfinite(size) & (np.abs(distance) > 1e-6) & (self.left < _LONGEST)
-        if np.sum(telling) < FEWEST or np.sum(telling & (self.left > 0)) < FEWEST_INFORMATIVE:
-            return None
-        near = 1e-6 if self._exact else 2e-3
-        usual = most_frequent(size[telling][:, None], 5 if self._exact else 2, 1)
-        if usual and np.mean(np.abs(size[telling] - usual[0][0]) <= near * abs(usual[0][0])) > SHARE:
-            return usual[0][0] if np.sum(telling & self._again) >= FEWEST_INFORMATIVE else None
-        return 0.0 if self._falls(size, telling, near) else None
-
-    def _falls(self, size: FloatArray, telling: BoolArray, near: float) -> bool:
-        """Return True if 1/size is a whole number that grows with each change of a cell."""
-        count = 1.0 / size
-        whole = np.abs(count - np.rint(count)) <= near * np.maximum(1.0, np.abs(count))
-        if np.mean((whole & (count > 0.5))[telling]) <= SHARE:
-            return False
-        places = np.flatnonzero(telling & whole)
-        places = places[np.argsort(self._cell[places], kind="stable")]
-        same = self._cell[places][1:] == self._cell[places][:-1]
-        grown = np.diff(np.rint(count[places]))[same]
-        return len(grown) >= FEWEST and bool(np.mean(grown >= 1) > SHARE)
-
-    def _returns(self, gamma: float) -> FloatArray:
-        """Return Σ γᵏ · reward from each step to the end of its episode, for its last steps."""
-        result = self._reward.copy()
-        by_left = np.argsort(self._left, kind="stable")
-        left = self._left[by_left]
-        next_of = np.empty(len(result), np.int64)
-        next_of[self._order[:-1]] = self._order[1:]
-        bounds = np.searchsorted(left, np.arange(min(_LONGEST, int(left[-1]) + 1 if len(left) else 0) + 1))
-        for low, high in pairwise(bounds[1:]):
-            at = by_left[low:high]
-            result[at] += gamma * result[next_of[at]]
-        return result
-
-
 # A reward of the program's own
 
 
 def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the best trial with a reward that is a function of (s, a, s′, r), or None."""
+    """Return the best trial with a reward that is a function of (s, a, s′, r), if any."""
     value = np.where(sample.ended, 0.0, sample.value(target))
     group = _transitions(sample)
     order = np.argsort(group, kind="stable")
@@ -251,7 +141,6 @@ def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str,
 
 
 def _transitions(sample: Sample) -> IntArray:
-    """Return the number of the transition (s, a, s′, r) of each step, `[n]`."""
     _, reward = np.unique(sample.reward, return_inverse=True)
     states = len(sample.evidence.initial) // sample.evidence.actions
     whole = (sample.cell * states + sample.next_state) * 2 + sample.ended
@@ -261,7 +150,6 @@ def _transitions(sample: Sample) -> IntArray:
 
 
 def _middles(group: IntArray, numbers: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Return the median of each group's `numbers`, `[n]`, and True for groups with several."""
     order = np.lexsort((numbers, group))
     begins = np.flatnonzero(np.diff(group[order], prepend=-1))
     lengths = np.diff(np.append(begins, len(order)))
@@ -282,21 +170,29 @@ RULE_OF: Final = {
     UpdateTarget.SAME_ACTION: Rule.SARSA,
     UpdateTarget.OWN_STATE: Rule.Q_LEARNING,
     UpdateTarget.INDEX: Rule.Q_LEARNING,
+    UpdateTarget.BEST_BY_OTHER: Rule.DOUBLE_Q,
+    UpdateTarget.OTHER_BEST: Rule.DOUBLE_Q,
+    UpdateTarget.OTHERS_CHOICE: Rule.DOUBLE_Q,
 }
 """The rule that each target belongs to."""
 _RIGHT: Final = (UpdateTarget.BEST, UpdateTarget.NEXT_ACTION)
+_OF_TWO_TABLES: Final = (
+    UpdateTarget.BEST_BY_OTHER,
+    UpdateTarget.BEST,
+    UpdateTarget.OTHER_BEST,
+    UpdateTarget.OTHERS_CHOICE,
+)
+"""Targets of two tables that change in turn, the right one first."""
+_GREEDY: Final = "Q-learning and SARSA cannot be distinguished yet: nearly all next actions were greedy."
+_ALIKE: Final = "It is not known yet which table chooses the next action, and which one gives its value."
 _WRONG: Final = (UpdateTarget.COLUMN, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.SAME_ACTION)
 
 
 @np.errstate(all="ignore")  # a failed division is NaN, and is no evidence
 def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "") -> UpdateFound:
-    """Find the update that explains `evidence`. The search uses a bounded choice of steps, to which
-    `departs_at` and `informative` refer in a long run.
+    """Find the update that explains `evidence`.
 
-    Args:
-        evidence: Steps and changes.
-        numbers: Numbers in the code by name.
-        dtype: That of the table, or "".
+    The search takes a bounded choice of steps, to which `departs_at` and `informative` refer in a long run.
     """
     moved = evidence.changes_of > 0
     if not moved.any():
@@ -306,7 +202,7 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
     inner = moved & ~ends
     if np.mean(ends[moved]) < AT_ENDS and np.mean(several[inner]) > 1 - SHARE:
         most = int(evidence.changes_of[inner].max())
-        return UpdateFound(reason=f"A step changes several numbers, up to {most}: no one-step update fits.")
+        return UpdateFound(reason=f"One step changes up to {most} numbers, so this is not a one-step update.")
     if np.mean(several[moved]) > 1 - SHARE:
         by_returns = monte_carlo_update(evidence, numbers)
         if by_returns:
@@ -315,7 +211,7 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
     if np.mean(several[moved]) > 1 - SHARE and place is not MovedCell.ONE_LATE:
         most = int(evidence.changes_of.max())
         return UpdateFound(
-            reason=f"The end of an episode changes several numbers, up to {most}: no one-step update fits."
+            reason=f"The end of an episode changes up to {most} numbers, so this is not a one-step update."
         )
     if place is None:
         return UpdateFound(
@@ -329,7 +225,6 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
 
 
 def _place(evidence: Evidence) -> MovedCell | None:
-    """Return the cell that moves with each step, or None if unknown."""
     moved = evidence.only_change[0]
     single = moved >= 0
     if not single.any():
@@ -340,9 +235,9 @@ def _place(evidence: Evidence) -> MovedCell | None:
 
 
 def _best(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
-    """Return the trial that explains `sample` best, if one explains enough."""
     held: list[Trial] = []
-    for stage in (_constant, _faulty, _varying, _one_entry):
+    stages = (_constant, _faulty, _varying, _one_entry)
+    for stage in (_of_two_tables,) if sample.evidence.is_pair else stages:
         held += [trial for trial in stage(sample, numbers) if trial.holds]
         if held:
             fewest = min(map(_failures, held))
@@ -353,13 +248,11 @@ def _best(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
 
 
 def _failures(trial: Trial) -> float:
-    """Estimate the number of steps in the sample that the trial does not explain."""
     looked_at = int(np.sum(~np.isnan(trial.predicted)))
     return trial.unexplained * len(trial.sample) / max(looked_at, 1)
 
 
 def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    """Yield right targets with a constant step size, then with the reward of the previous step."""
     for target in _RIGHT:
         trial = constant_trial(sample, target, sample.reward, numbers)
         if trial:
@@ -375,7 +268,6 @@ def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
 
 
 def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    """Yield right targets with another reward, then wrong targets."""
     for target in _RIGHT:
         trial = own_reward_trial(sample, target, numbers)
         if trial:
@@ -388,7 +280,6 @@ def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
 
 
 def _varying(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    """Yield Expected SARSA, then varying step sizes."""
     trial = expected_trial(sample, numbers)
     if trial:
         yield trial
@@ -398,19 +289,25 @@ def _varying(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
             yield trial
 
 
+def _of_two_tables(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+    right = _OF_TWO_TABLES[0]
+    trials = [constant_trial(sample, each, sample.reward, numbers) for each in _OF_TWO_TABLES]
+    if not any(trial and trial.holds for trial in trials):
+        trials = [find(sample, right, numbers) for find in (by_visits, by_episode, own_reward_trial)]
+    yield from (trial for trial in trials if trial)
+
+
 def _one_entry(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    """Yield the target of one estimate, of an action that only the program knows."""
     trial = one_entry_trial(sample, numbers) if sample.place is MovedCell.TAKEN else None
     if trial:
         yield trial
 
 
 def _found(trial: Trial) -> UpdateFound:
-    """Describe the update of `trial`."""
     reason = _undecided(trial)
     off = np.flatnonzero(trial.counted & ~trial.explained)
     return UpdateFound(
-        rule=Rule.UNKNOWN if reason else RULE_OF[trial.target],
+        rule=Rule.UNKNOWN if reason else _rule_of(trial),
         alpha=trial.alpha if isinstance(trial.alpha, float) else None,
         alpha_schedule=trial.schedule,
         gamma=trial.gamma if trial.tells_gamma else None,
@@ -426,29 +323,35 @@ def _found(trial: Trial) -> UpdateFound:
     )
 
 
+def _rule_of(trial: Trial) -> Rule:
+    """Return the rule. With two tables, a maximum is meant for Double Q-learning if the table is drawn."""
+    evidence = trial.sample.evidence
+    return Rule.DOUBLE_Q if evidence.is_pair and evidence.draws_table else RULE_OF[trial.target]
+
+
 def _undecided(trial: Trial) -> str:
-    """Return the reason why `trial` does not determine the rule, or ""."""
     if not trial.tells_gamma:
         return "γ is not known yet: the values of the next states were 0, or always the same."
     if trial.gamma == 0.0:
         return "γ is 0, so the next state does not count: Q-learning and SARSA are the same."
-    if trial.target not in _RIGHT:
+    is_pair = trial.sample.evidence.is_pair
+    rivals = _OF_TWO_TABLES if is_pair else _RIGHT
+    if trial.target not in rivals:
         return ""
-    rival = _RIGHT[1 - _RIGHT.index(trial.target)]
-    deciding = trial.differs_from(trial.sample.value(rival)) & trial.explained
-    if np.sum(deciding) < FEWEST_INFORMATIVE:
-        return "Q-learning and SARSA cannot be distinguished yet: nearly all next actions were greedy."
+    for rival in rivals:
+        deciding = trial.differs_from(trial.sample.value(rival)) & trial.explained
+        if rival is not trial.target and np.sum(deciding) < FEWEST_INFORMATIVE:
+            return _ALIKE if is_pair else _GREEDY
     return ""
 
 
 def _why_none(sample: Sample, dtype: str) -> str:
-    """Return the reason why no update explains `sample` of a table with `dtype`."""
     if int(np.sum(sample.change != 0.0)) < FEWEST:
         moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
         rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")
-        return f"Too few numbers of the table have changed yet: {moved} changed one, after {rewards}."
+        return f"Too few numbers of the table have changed so far: {moved} changed one, after {rewards}."
     if np.all(sample.change[sample.change != 0.0] == 1.0):
         return "Each step adds 1 to one number: the table counts visits and is not a table of values."
     if sample.evidence.whole_numbers and dtype.startswith(("int", "uint")):
-        return "The table holds only whole numbers, so new estimates lose their decimals."
+        return "The table contains only whole numbers, so new estimates lose their decimals."
     return "Each step changes one number, but no known update explains the change."

@@ -21,8 +21,9 @@ _REST: Final = 4.0
 
 
 class Verdicts:
-    """The newest verdict on a program. `on_news` is called from another thread when there is one. With
-    `automatic` off, verdicts are computed on request and do not depend on timing.
+    """The newest verdict on a program. `on_news` is called from another thread.
+
+    Without `automatic`, verdicts come on request and do not depend on timing.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -33,15 +34,9 @@ class Verdicts:
         self._judged: tuple[int, ...] = ()  # amount of evidence at the last verdict
         self._next = 0.0  # earliest time of the next verdict
         self._thread: threading.Thread | None = None
-        self._generation = 0
-
-    def forget(self) -> None:
-        """Forget everything, because the program has restarted."""
-        self.newest, self._judged, self._next = ProgramVerdict(), (), 0.0
-        self._generation += 1
 
     def look(self, log: ProgramLog, *, is_still: bool) -> None:
-        """Start a verdict on `log` when one is due, or at once if it `is_still`."""
+        """Start a verdict when one is due, or at once if the program `is_still`."""
         known = (
             log.recording.count,
             len(log.recording.changes.step),
@@ -55,25 +50,23 @@ class Verdicts:
                 self.newest, self._judged = _judged(log), known
         elif is_still or time.monotonic() >= self._next:
             self._judged = known
-            arguments = (log.frozen(), self._generation)
+            arguments = (log.frozen(),)
             self._thread = threading.Thread(target=self._work, args=arguments, name="diagnosis", daemon=True)
             try:
                 self._thread.start()
             except RuntimeError:  # the program may have used up all threads
                 self._thread, self._judged, self._next = None, (), time.monotonic() + EVERY
 
-    def _work(self, log: ProgramLog, generation: int) -> None:
+    def _work(self, log: ProgramLog) -> None:
         begun = time.monotonic()
-        verdict = _judged(log)
-        taken = time.monotonic() - begun
-        if generation == self._generation:
-            self.newest = verdict
-            self._next = begun + taken + max(EVERY, _REST * taken)
-            self._on_news()
+        self.newest = _judged(log)
+        now = time.monotonic()
+        self._next = now + max(EVERY, _REST * (now - begun))
+        self._on_news()
 
 
 def _judged(log: ProgramLog) -> ProgramVerdict:
-    """Return the verdict on `log`. An error in the diagnosis must not end the program on screen."""
+    """Return the verdict. An error in the diagnosis must not end the program on screen."""
     try:
         return verdict_of(log)
     except Exception as error:

@@ -12,7 +12,7 @@ from typing import Final
 
 from rl_tui.common.findings import one_line
 from rl_tui.programs.evidence.code_places import CodeLine, ProgramCode
-from rl_tui.programs.evidence.verdict import UpdateFound, UpdateTarget
+from rl_tui.programs.evidence.verdict import Rule, UpdateFound, UpdateTarget
 from rl_tui.programs.watched.program_log import FoundTable
 
 _USUAL: Final = {
@@ -35,11 +35,11 @@ _USUAL: Final = {
     "terminated": ("terminated", "term", "terminal", "done"),
 }
 """Common names in an update, the most frequent first."""
-_DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
+DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
 """Common names of γ, the most frequent first."""
 DISCOUNT: Final = re.compile(r"gamma|discount|γ|^(g|df)$", re.IGNORECASE)
 """Any name of γ."""
-_EPSILONS: Final = ("epsilon", "eps", "ε", "exploration_rate", "explore_rate", "exploration_prob")
+EPSILONS: Final = ("epsilon", "eps", "ε", "exploration_rate", "explore_rate", "exploration_prob")
 """Common names of ε, the most frequent first."""
 _SHOULD_READ: Final = {
     UpdateTarget.NEXT_ACTION: UpdateTarget.NEXT_ACTION,
@@ -62,7 +62,7 @@ _NESTED: Final = ("lists", "dict-of-arrays", "dict-of-dicts")
 
 @dataclass(frozen=True, slots=True)
 class CodeNames:
-    """Names for a correction, by default those of the book. Each is a name or a short expression."""
+    """Names or short expressions for a correction, by default the book's."""
 
     table: str = "Q"
     state: str = "s"
@@ -77,20 +77,22 @@ class CodeNames:
     """Form of the table, as in `FoundTable`."""
     value: UpdateTarget = UpdateTarget.BEST
     """The value of the next state in the update, as it should be."""
+    other: str = ""
+    """The other one of two tables that change in turn."""
 
     def cell(self) -> str:
-        """Return the expression of the updated estimate."""
+        """Write the updated estimate."""
         between = "][" if self.form in _NESTED else ", "
         return f"{self.table}[{self.state}{between}{self.action}]"
 
     def rows(self, actions: int) -> str:
-        """Return the expression of a table with a separate row for each state."""
+        """Write a table with separate rows."""
         if self.form == "dict-of-arrays":
             return f"{{state: [0.0] * {actions} for state in range(states)}}"
         return f"[[0.0] * {actions} for state in range(states)]"
 
     def best(self) -> str:
-        """Return the expression of the next state's value."""
+        """Write the next state's value."""
         if self.form == "dict-of-pairs":
             return f"max({self.table}[{self.next_state}, b] for b in actions)"
         if self.form == "dict-of-dicts":
@@ -98,18 +100,20 @@ class CodeNames:
         return f"max({self.table}[{self.next_state}])"
 
     def random_tie(self) -> str:
-        """Return the expression of a random choice among the best actions."""
+        """Write a random choice among the best actions."""
         if self.form != "array":
             return "best = [a for a in actions if value of a == largest value]; action = random.choice(best)"
         row = f"{self.table}[{self.state}]"
         return f"{self.action} = np.random.choice(np.flatnonzero({row} == {row}.max()))"
 
     def target(self) -> str:
-        """Return the correct line of the target."""
+        """Write the correct line of the target."""
         value = self.best()
         between = "][" if self.form in _NESTED else ", "
         if self.value is UpdateTarget.ALLOWED:
             value = f"max({self.table}[{self.next_state}{between}b] for b in allowed)"
+        elif self.value is UpdateTarget.BEST_BY_OTHER:
+            value = f"{self.other}[{self.next_state}{between}argmax({self.table}[{self.next_state}])]"
         elif self.value is UpdateTarget.NEXT_ACTION:
             value = f"{self.table}[{self.next_state}{between}next_action]"
         elif self.value is UpdateTarget.EXPECTED:
@@ -121,8 +125,10 @@ class CodeNames:
 def names_of(
     code: ProgramCode, table: FoundTable, update: UpdateFound, numbers: Mapping[str, float]
 ) -> CodeNames:
-    """Return the names used at the update, with the book's for unknown ones."""
+    """Return the names at the update, with the book's for unknown ones."""
     value = _SHOULD_READ.get(update.target, UpdateTarget.BEST)
+    if update.rule is Rule.DOUBLE_Q or (table.other and update.rule is Rule.UNKNOWN):
+        value = UpdateTarget.BEST_BY_OTHER
     used, by_role = _written_in(code)
     found = dict(by_role)
     for role, number in (("alpha", update.alpha), ("gamma", update.gamma)):
@@ -130,13 +136,12 @@ def names_of(
         if held is not None:
             found[role] = held
     short = {role: one_line(_as_written(name, used), _LONGEST) for role, name in found.items()}
-    name = one_line(_as_written(table.name, used), _LONGEST)
-    return CodeNames(name, form=table.form, value=value, **short)
+    name, other = (one_line(_as_written(each, used), _LONGEST) for each in (table.name, table.other))
+    return CodeNames(name, form=table.form, value=value, other=other, **short)
 
 
 @lru_cache(maxsize=32)
 def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
-    """Return all names used at the update, and those with a known role by role."""
     line = code.call_line() if code.lacks_update else code.update_line()
     used = _used_at(code, line)
     found: dict[str, str] = {}
@@ -145,23 +150,14 @@ def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
     return used, found | _returned_near(code, line)
 
 
-def declared_discount(numbers: Mapping[str, float]) -> tuple[str, float] | None:
-    """Return the name and value of γ in the `numbers` of a program's code, or None."""
-    return _declared(numbers, _DISCOUNTS)
-
-
-def declared_epsilon(numbers: Mapping[str, float]) -> tuple[str, float] | None:
-    """Return the name and value of ε in the `numbers` of a program's code, or None."""
-    return _declared(numbers, _EPSILONS)
-
-
-def _declared(numbers: Mapping[str, float], names: tuple[str, ...]) -> tuple[str, float] | None:
+def declared(numbers: Mapping[str, float], names: tuple[str, ...]) -> tuple[str, float] | None:
+    """Return name and value of the first of `names`, if any."""
     named = {name.lower().rsplit(".", 1)[-1]: (name, value) for name, value in numbers.items()}
     return next((named[name] for name in names if name in named), None)
 
 
 def _as_written(name: str, used: frozenset[str]) -> str:
-    """Return the `name` of an agent's attribute as its code writes it: `self.q` for `agent.q`."""
+    """Return an agent's attribute as its code writes it: `self.q` for `agent.q`."""
     head, _, attribute = name.partition(".")
     if head != _AGENT or not attribute or _AGENT in used:
         return name
@@ -186,7 +182,6 @@ def _names_in(scope: ast.AST) -> Iterator[str]:
 
 
 def _returned_near(code: ProgramCode, line: CodeLine | None) -> dict[str, str]:
-    """Return the variables that receive the result of `env.step` in the function of `line`."""
     call = code.step_call
     if call is None or line is None or code.scope_of(call.line) is not code.scope_of(line):
         return {}
@@ -200,7 +195,7 @@ def _returned_near(code: ProgramCode, line: CodeLine | None) -> dict[str, str]:
 
 
 def _held(numbers: Mapping[str, float], wanted: float | None) -> str | None:
-    """Return the shortest name of a number, or None if only constants have it."""
+    """Return the shortest name of a number, unless only constants have it."""
     if wanted is None:
         return None
     names = [

@@ -1,4 +1,4 @@
-"""Places in the source of a program, found by reading it. Nothing is executed."""
+"""Places in the source of a program. Nothing is executed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from rl_tui.programs.evidence.syntax import (
     chooses,
     first_name,
     inner_statements,
-    is_added_to,
     is_main_guard,
     is_part_of,
     is_set_to_constant,
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
 # Functions that only read
 
 
-_Definition = ast.FunctionDef | ast.AsyncFunctionDef
+_Function = ast.FunctionDef | ast.AsyncFunctionDef
 _DEEPEST: Final = 3
 """Most calls followed from function to function."""
 _MODULES: Final = frozenset({"np", "numpy", "math", "random"})
@@ -53,20 +52,19 @@ _READING: Final = frozenset(
 """Functions and methods that change no table."""
 
 
-def only_reads(function: _Definition, functions: Mapping[str, _Definition], table: str) -> bool:
-    """Return True if `function`, and those of `functions` that it calls, certainly write to no table.
-    `table` is the name of the table. Without one ("") it may store nothing at all.
+def only_reads(
+    function: _Function, functions: Mapping[str, _Function], table: str, depth: int = _DEEPEST
+) -> bool:
+    """Return True if `function`, with those it calls, certainly writes to no table.
+
+    Without the table's name ("") it may store nothing at all.
     """
-    return _reads(function, functions, table, _DEEPEST)
-
-
-def _reads(function: _Definition, functions: Mapping[str, _Definition], table: str, depth: int) -> bool:
     return all(
         _is_harmless(node, functions, table, depth) for part in function.body for node in ast.walk(part)
     )
 
 
-def _is_harmless(node: ast.AST, functions: Mapping[str, _Definition], table: str, depth: int) -> bool:
+def _is_harmless(node: ast.AST, functions: Mapping[str, _Function], table: str, depth: int) -> bool:
     match node:
         case ast.Assign(targets=targets):
             return all(_is_elsewhere(each, table) for each in targets)
@@ -79,7 +77,7 @@ def _is_harmless(node: ast.AST, functions: Mapping[str, _Definition], table: str
             if isinstance(called, ast.Attribute) and name_of(base_of(called.value)) in _MODULES:
                 return name != "put"
             if name in functions:
-                return depth > 0 and _reads(functions[name], functions, table, depth - 1)
+                return depth > 0 and only_reads(functions[name], functions, table, depth - 1)
             return name in _READING
         case ast.Delete() | ast.Global() | ast.Nonlocal() | ast.Yield() | ast.YieldFrom() | ast.Await():
             return False
@@ -91,7 +89,6 @@ def _is_harmless(node: ast.AST, functions: Mapping[str, _Definition], table: str
 
 
 def _is_elsewhere(target: ast.expr, table: str) -> bool:
-    """Return True if an assignment to `target` leaves every possible table unchanged."""
     if isinstance(target, ast.Tuple):
         return all(_is_elsewhere(each, table) for each in target.elts)
     if isinstance(target, ast.Attribute):
@@ -109,7 +106,6 @@ _MOST_CALLS: Final = 3
 """Most calls followed from function to function."""
 _CHOICE: Final = re.compile(r"action|policy|^act$|agent_start|choose|greedy", re.IGNORECASE)
 """Names of methods that choose an action."""
-_Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +118,7 @@ class CodeLine:
 
 @dataclass(frozen=True, slots=True)
 class StepCall:
-    """A call of `env.step`: its line, environment, argument, and the targets of its result."""
+    """A call of `env.step` with the targets of its result."""
 
     line: CodeLine
     environment: ast.expr | None
@@ -132,8 +128,6 @@ class StepCall:
 
 @dataclass(frozen=True, slots=True)
 class _Statement:
-    """A statement with its file."""
-
     file: str
     node: ast.stmt
 
@@ -143,9 +137,7 @@ class _Statement:
 
 
 def program_code(log: ProgramLog) -> ProgramCode:
-    """Return the source of the program of `log`, as far as steps and changes named files. The object is
-    cached while files and reports are the same, so it answers each question once.
-    """
+    """Return the program's source, cached while files and reports are the same."""
     files = [file for file, _ in (*log.called.values(), *log.lines)]
     trees = [(file, parsed_file(file)) for file in list(dict.fromkeys(files))[:_MOST_FILES]]
     changed_most = max(log.lines, key=lambda each: log.lines[each], default=None)
@@ -170,9 +162,7 @@ def _code_of(
 
 
 class ProgramCode:
-    """The source of a program: syntax trees by file name. `called` has the lines that called `step` and
-    `reset`. `changed_most` is the line that changed the table most often, or None.
-    """
+    """Syntax trees by file name. `called` has the lines that called `step` and `reset`."""
 
     def __init__(
         self,
@@ -240,14 +230,15 @@ class ProgramCode:
 
     @cached_property
     def always_writes(self) -> bool:
-        """True if the code that calls `env.step` always writes to the table afterwards. A write under an
-        `if` without a writing `else` does not count, because it may be skipped in an evaluation.
+        """True if the code after `env.step` always writes to the table.
+
+        A write under an `if` without a writing `else` may be skipped in an evaluation.
         """
         return self._is_surely_done({id(each.node) for each in self._writes})
 
     @cached_property
     def writes_until_the_end(self) -> bool:
-        """The same as `always_writes`, if a test of nothing but the end of the episode may skip the write."""
+        """The same, but a test of the episode's end may skip it."""
         done = {id(each.node) for each in self._writes}
         for node in (each.node for each in self._statements if isinstance(each.node, ast.If)):
             parts = (self._is_always_in(part, done, _MOST_CALLS) for part in (node.body, node.orelse))
@@ -256,13 +247,11 @@ class ProgramCode:
         return self._is_surely_done(done)
 
     def _is_surely_done(self, wanted: set[int]) -> bool:
-        """Return True if the code that calls `env.step` always executes one of `wanted`."""
         line = self.call_line()
         scope = None if line is None else self.scope_of(line)
         return self._is_always_in(getattr(scope, "body", []), wanted, _MOST_CALLS)
 
     def _asks_for_end(self, test: ast.expr) -> bool:
-        """Return True if `test` reads nothing but the flags that `env.step` returned."""
         results = () if self.step_call is None else self.step_call.unpacked
         flags = {name_of(each) for each in (results[2:4] if len(results) > 4 else results[2:3])} - {""}
         for each in self._statements:
@@ -273,7 +262,7 @@ class ProgramCode:
 
     @cached_property
     def reads_transitions(self) -> bool:
-        """True if the code reads the transition table of an environment, so that it may plan."""
+        """True if it reads a transition table, and may plan."""
         return any(
             attribute.attr == "P"
             for each in self._statements
@@ -281,7 +270,6 @@ class ProgramCode:
         )
 
     def _is_always_in(self, body: Iterable[ast.stmt], writes: set[int], depth: int) -> bool:
-        """Return True if one of `writes` is always executed in `body`, or in a function called there."""
         return any(id(node) in writes or self._is_always_done(node, writes, depth) for node in body)
 
     def _is_always_done(self, node: ast.stmt, writes: set[int], depth: int) -> bool:
@@ -297,7 +285,7 @@ class ProgramCode:
 
     @cached_property
     def lacks_update(self) -> bool:
-        """True if the update method of an agent only reads, so that the update is still missing."""
+        """True if an agent's update only reads."""
         line = self.call_line()
         function = None if line is None or self._agent is None else self.scope_of(line)
         if not isinstance(function, _Function) or self._agent is None:
@@ -309,7 +297,7 @@ class ProgramCode:
         return only_reads(function, functions, self._name)
 
     def left_before_update(self) -> CodeLine | None:
-        """Return the `if` after `env.step` that leaves the loop before the update, or None."""
+        """Return the `if` that leaves the loop before the update."""
         call = self.call_line()
         if call is None or not self._writes:
             return None
@@ -328,7 +316,7 @@ class ProgramCode:
 
     @cached_property
     def sets_a_constant(self) -> bool:
-        """True if an update may set a cell to a constant in the code."""
+        """True if an update may set a constant."""
         call = self.call_line()
         if call is None:
             return False
@@ -342,16 +330,16 @@ class ProgramCode:
         return False
 
     def gives_other(self, reward: str) -> bool:
-        """Return True if anything else than `env.step` may assign `reward`."""
+        """Return True if not only `env.step` may assign `reward`."""
         call = self.step_call
         if call is None or not any(name_of(each) == reward for each in call.unpacked):
             return True
         given = [each for each in self._statements if reward in targets_of(each.node)]
-        added = [each for each in self._statements if is_added_to(each.node, reward)]
-        return len(given) + len(added) > 1
+        added = (each.node.target for each in self._statements if isinstance(each.node, ast.AugAssign))
+        return len(given) + sum(name_of(each) == reward for each in added) > 1
 
     def update_line(self) -> CodeLine | None:
-        """Return the line that changed the table most, or the first that writes to it."""
+        """Return the line that changed the table most, or first writes to it."""
         if self._changed_most is not None:
             return self._changed_most
         return self._writes[0].line if self._writes else None
@@ -371,7 +359,6 @@ class ProgramCode:
         return None
 
     def _made_in(self, function_name: str) -> CodeLine | None:
-        """Return the line that makes the result of a function."""
         if function_name not in self._functions:
             return None
         file, function = self._functions[function_name]
@@ -405,14 +392,14 @@ class ProgramCode:
                 )
 
     def call_line(self) -> CodeLine | None:
-        """Return the line of that call."""
+        """Return the line of `step_call`."""
         at = self._called.get("step")
         if at is not None:
             return CodeLine(*at)
         return None if self.step_call is None else self.step_call.line
 
     def choice_line(self) -> CodeLine | None:
-        """Return the line that chooses the action for `env.step`, followed through one function."""
+        """Return the line that chooses the action, through one function."""
         call = self.step_call
         if call is None or call.argument is None:
             return self._chosen_by_a_method() or self.call_line()
@@ -441,7 +428,6 @@ class ProgramCode:
         return None
 
     def _chosen_in(self, function_name: str) -> CodeLine | None:
-        """Return the line of a function with a maximum, else its first return."""
         if function_name not in self._functions:
             return None
         file, function = self._functions[function_name]

@@ -1,4 +1,4 @@
-"""The steps of a program as columns, prepared for hypotheses about its update."""
+"""The steps of a program as columns."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ _TOO_LARGE: Final = 1e100
 _FEW: Final = 1 << 16
 _JUDGED: Final = 20_000
 """Number of changes from which the precision of a table is estimated."""
+_TURNS: Final = 4
+"""Changes for each switch to the other table, at most, and for each change without a switch."""
+_FEWEST_ALIKE: Final = 3
 
 
 def order_by(keys: IntArray) -> IntArray:
@@ -25,9 +28,7 @@ def order_by(keys: IntArray) -> IntArray:
 
 
 class TableHistory:
-    """The table at any moment, for many cells and steps at once. `initial`, `[S·A]`, has no NaN, and
-    `span` exceeds any step.
-    """
+    """The table at any moment. `initial`, `[S·A]`, has no NaN, and `span` exceeds any step."""
 
     def __init__(self, initial: FloatArray, changes: ChangeColumns, span: int) -> None:
         self._initial = initial
@@ -37,8 +38,9 @@ class TableHistory:
         self._cell, self._after = changes.cell[order], changes.after[order]
 
     def before(self, cell: IntArray, step: IntArray) -> FloatArray:
-        """Return the value in each `cell` before `step`, arrays of equal shape. A missing entry of a dict
-        has the value that it began with. A cell of another environment is clipped to the last one.
+        """Return the value in each `cell` before `step`, arrays of equal shape.
+
+        A missing entry of a dict has its first value. A cell of another environment is clipped.
         """
         value: FloatArray = self._initial.take(cell, mode="clip")
         if len(self._cell):
@@ -48,11 +50,31 @@ class TableHistory:
         return value
 
 
+class PairHistory(TableHistory):
+    """Two tables. `table`, `[N]`, is the one of each step from `first` on. Cells of the second count from
+    `cells`.
+    """
+
+    def __init__(
+        self, initial: FloatArray, changes: ChangeColumns, span: int, table: IntArray, first: int
+    ) -> None:
+        super().__init__(initial, changes, span)
+        self._cells, self._table, self._first = len(initial) // 2, table, first
+
+    def before(self, cell: IntArray, step: IntArray, *, of_other: bool = False) -> FloatArray:
+        """Return values in each step's table, or the other one."""
+        table = self._table.take(step - self._first, mode="clip")
+        if of_other:
+            table = 1 - table
+        return super().before(cell.clip(0, self._cells - 1) + self._cells * table, step)
+
+
 class Evidence:
-    """The N steps since the table was found, oldest first. `number` has their numbers in the program.
-    `reward_before` is the reward of the program's previous step (0 at first), `next_action` the next
-    action in the episode (−1 if none), `previous_cell` the previous cell in the episode (−1 if none).
-    `initial`, `[S·A]`, is the table at the first step, and `changes` are all changes of numbers since.
+    """The N steps since the table was found, oldest first.
+
+    `reward_before` is the reward of the program's previous step (0 at first), `next_action` and
+    `previous_cell` are those in the episode (−1 if none). `initial`, `[S·A]`, is the table at the first step.
+    If two tables change in turn, `table`, `[N]`, is the one that each step changed.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -61,7 +83,9 @@ class Evidence:
         self.recording = recording
         self.actions = recording.actions
         steps = recording.steps
-        begin = max(recording.found_at - recording.first, 0)
+        self.is_pair = recording.initial_pair is not None
+        found_at = recording.paired_at if self.is_pair else recording.found_at
+        begin = max(found_at - recording.first, 0)
         self.number: IntArray = np.arange(begin, len(steps.state)) + recording.first
         cut = slice(begin, None)
         self.state, self.action = steps.state[cut], steps.action[cut]
@@ -72,14 +96,25 @@ class Evidence:
         self.cell: IntArray = self.state * self.actions + self.action
         self.reward_before = np.concatenate(([0.0], steps.reward))[begin:-1]
         self.next_action, self.previous_cell = self._neighbours()
-        self.initial, self.changes = _settled(recording, self.cell, int(self.number[0]) if len(self) else 0)
+        first = int(self.number[0]) if len(self) else 0
+        self.initial, self.changes = _settled(recording, self.cell, first)
+        self.table: IntArray = np.zeros(len(self), np.int64)
         self.history = TableHistory(self.initial, self.changes, recording.count + 2)
+        if self.is_pair:
+            self._divide(first)
 
     def __len__(self) -> int:
         return len(self.number)
 
+    def _divide(self, first: int) -> None:
+        cells, changes = len(self.initial) // 2, self.changes
+        at = (changes.step - first).clip(0, max(len(self) - 1, 0))
+        if len(self):
+            self.table[at] = changes.cell // cells
+        self.history = PairHistory(self.initial, changes, self.recording.count + 2, self.table, first)
+        self.initial, self.changes = self.initial[:cells], changes._replace(cell=changes.cell % cells)
+
     def _neighbours(self) -> tuple[IntArray, IntArray]:
-        """Return the next action and the previous cell of each step within its episode."""
         next_action: IntArray = np.full(len(self), NO_ACTION)
         previous_cell: IntArray = np.full(len(self), NO_ACTION)
         if len(self) < 2 or np.all(self.episode[1:] >= self.episode[:-1]):
@@ -95,7 +130,6 @@ class Evidence:
 
     @cached_property
     def _at(self) -> IntArray:
-        """Index of the step of each change, −1 if it is not included."""
         if not len(self):
             return np.full(len(self.changes.step), -1)
         place = self.changes.step - self.number[0]
@@ -104,26 +138,26 @@ class Evidence:
 
     @property
     def has_next(self) -> BoolArray:
-        """True if the next action in the episode is known, `[N]`."""
+        """Steps with a known next action, `[N]`."""
         has_next: BoolArray = self.next_action != NO_ACTION
         return has_next
 
     @cached_property
     def runs_away_at(self) -> float:
-        """First step with a number too large for sums, infinite if there is none."""
+        """First step with too large a number, or infinity."""
         changes = self.recording.changes
         large = np.abs(changes.after) >= _TOO_LARGE
         return float(changes.step[large].min()) if large.any() else np.inf
 
     @cached_property
     def changes_of(self) -> IntArray:
-        """Number of cells that each step changed, `[N]`."""
+        """Changed cells of each step, `[N]`."""
         counted: IntArray = np.bincount(self._at[self._at >= 0], minlength=len(self))
         return counted
 
     @cached_property
     def only_change(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Cell, old and new value of each step that changed one cell, else −1, 0, 0."""
+        """Cell, old and new value of single changes, else −1, 0, 0."""
         cell: IntArray = np.full(len(self), -1)
         before, after = np.zeros(len(self)), np.zeros(len(self))
         if len(self):
@@ -134,9 +168,25 @@ class Evidence:
             after[at] = self.changes.after[single]
         return cell, before, after
 
+    @property
+    def stays(self) -> BoolArray:
+        """Steps without a change of their table, `[N]`. It is unknown for two."""
+        stays: BoolArray = (self.changes_of == 0) & (not self.is_pair)
+        return stays
+
+    @cached_property
+    def draws_table(self) -> bool:
+        """True if both tables change in the same cells, by a seemingly random choice."""
+        at = np.flatnonzero(self.changes_of == 1)
+        cell, table, episode = self.cell[at], self.table[at], self.episode[at]
+        turns = (np.diff(table) != 0)[episode[1:] == episode[:-1]]
+        few = min(int(turns.sum()), int((~turns).sum()))
+        alike = np.intersect1d(cell[table == 0], cell[table == 1])
+        return len(alike) >= _FEWEST_ALIKE and few * _TURNS >= len(turns) > 0
+
     @cached_property
     def learns(self) -> BoolArray:
-        """True for steps of episodes with a change, `[N]`. Other episodes may be evaluations."""
+        """Steps of episodes with changes, `[N]`. Others may be evaluations."""
         if not len(self):
             return np.empty(0, np.bool_)
         first = int(self.episode.min())
@@ -147,9 +197,7 @@ class Evidence:
 
     @cached_property
     def visits(self) -> tuple[IntArray, IntArray]:
-        """Visits of each step's cell so far, including this step, `[N]`: over all steps, and over episodes
-        with changes only.
-        """
+        """Visits of each cell so far, `[N]`: in all episodes, and in those with changes."""
         order = order_by(self.cell)
         cell = self.cell[order]
         begins = np.flatnonzero(np.diff(cell, prepend=-1))
@@ -165,7 +213,7 @@ class Evidence:
 
     @cached_property
     def precision(self) -> float:
-        """Relative precision of the table. Closer numbers may be equal."""
+        """Relative precision of the table."""
         after = self.changes.after[-_JUDGED:]
         after = after[np.abs(after) < 6e4]  # a half float has no larger number
         with np.errstate(all="ignore"):
@@ -177,13 +225,13 @@ class Evidence:
 
     @property
     def whole_numbers(self) -> bool:
-        """True if only whole numbers were written to the table."""
+        """True if all written numbers are whole."""
         return bool(np.array_equal(self.changes.after, np.rint(self.changes.after)))
 
     @cached_property
     def surely_ended(self) -> BoolArray:
-        """True for terminal steps, `[N]`. If the program's own limit may make a step terminal, only for
-        steps into a state from which no step starts.
+        """Terminal steps, `[N]`. If the program's own limit may end episodes, only those into a state that is
+        never left.
         """
         if not self.recording.has_own_ends:
             return self.terminated
@@ -191,20 +239,41 @@ class Evidence:
         return ended
 
     def rows(self, state: IntArray, at: IntArray) -> FloatArray:
-        """Return the rows of `state`, `[n]`, before the steps at the indexes `at`, `[n]`, as `[n, A]`."""
+        """Return the rows of `state`, `[n]`, before the steps `at`, `[n]`, as `[n, A]`."""
+        return self.history.before(*self._cells_of(state, at))
+
+    def _cells_of(self, state: IntArray, at: IntArray) -> tuple[IntArray, IntArray]:
         cells = state[:, None] * self.actions + np.arange(self.actions)
+        return cells, np.broadcast_to(self.number[at][:, None], cells.shape)
+
+    def column_maxima(self, action: IntArray, at: IntArray) -> FloatArray:
+        """Return the maximum over states for `action`, `[n]`, before the steps `at`, `[n]`."""
+        cells = action[:, None] + self.actions * np.arange(len(self.initial) // self.actions)
         steps = np.broadcast_to(self.number[at][:, None], cells.shape)
-        return self.history.before(cells, steps)
+        maxima: FloatArray = self.history.before(cells, steps).max(1, initial=-np.inf)
+        return maxima
+
+    def mean_rows(self, state: IntArray, at: IntArray) -> FloatArray:
+        """Return the rows of the mean of two tables."""
+        rows = self.rows(state, at)
+        return (rows + self.other_rows(state, at)) / 2 if self.is_pair else rows
+
+    def other_rows(self, state: IntArray, at: IntArray) -> FloatArray:
+        """Return the rows of the other one of two tables."""
+        assert isinstance(self.history, PairHistory)
+        return self.history.before(*self._cells_of(state, at), of_other=True)
 
 
 def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatArray, ChangeColumns]:
-    """Return the initial table and the changes without missing entries. A dict makes rows on access, and
-    most entries show the initial value of all. With random rows, an entry began with its first value. An
-    entry made by a step in its own cell began with 0 instead. `taken`, `[N]`, has the cells of the steps
-    from `first` on.
+    """Fill missing entries.
+
+    A dict makes rows on access, so an entry gets the most frequent initial value, its first value (random
+    rows), or 0.
     """
     assert recording.initial is not None
-    initial, changes = recording.initial, recording.changes
+    initial, changes, cells = recording.initial, recording.changes, len(recording.initial)
+    if recording.initial_pair is not None:
+        initial, changes = recording.initial_pair, recording.changes_of_pair
     kept = (changes.step >= first) if len(taken) else np.zeros(len(changes.step), np.bool_)
     changes = ChangeColumns._make(column[kept] for column in changes) if not kept.all() else changes
     before, now = changes.before, np.nan_to_num(changes.after)  # a deleted entry counts as 0
@@ -220,7 +289,7 @@ def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatAr
             usual = float(values[np.argmax(counts)]) if len(values) else 0.0
             initial, before = np.where(np.isnan(initial), usual, initial), np.where(missing, usual, before)
         else:
-            looked_up = taken.take(step - first, mode="clip") != changes.cell[made]
+            looked_up = taken.take(step - first, mode="clip") != changes.cell[made] % cells
             began = np.where(looked_up, after, 0.0)
             initial, before = initial.copy(), before.copy()
             initial[changes.cell[made[::-1]]] = began[::-1]  # the first of several counts

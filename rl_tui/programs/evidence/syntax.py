@@ -1,32 +1,31 @@
-"""Static queries on the syntax tree of a script. Nothing is executed."""
+"""Static queries on the syntax tree of a script."""
 
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Final, TypeVar
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.limits import LARGEST_SOURCE
-from rl_tui.common.text_file import UnreadableError, read_bytes
-from rl_tui.programs.watched.notebook import is_notebook, read_notebook
+from rl_tui.common.limits import LARGEST_NOTEBOOK, LARGEST_SOURCE
+from rl_tui.programs.watched.child.script import parsed, source_of
+from rl_tui.programs.watched.notebook import is_notebook
 
-_MAGIC: Final = re.compile(r"^([ \t]*)[!%].*$", re.MULTILINE)
-"""A line that only notebooks understand."""
 _WRITING: Final = frozenset({"itemset", "put", "update", "__setitem__", "setdefault"})
 _CHOOSING: Final = frozenset({"argmax", "max", "nanargmax", "argsort", "argmin"})
 Node = TypeVar("Node", bound=ast.AST)
 
 
 def parsed_file(file: str) -> ast.Module | None:
-    """Return the syntax tree of `file`, or None if it cannot be read."""
+    """Return the syntax tree of a readable file."""
     try:
         path = Path(file)
-        return _parsed(path, path.stat().st_mtime_ns)
-    except (OSError, ValueError, UnreadableError):
+        found = path.stat()
+        most = LARGEST_NOTEBOOK if is_notebook(path) else LARGEST_SOURCE
+        return None if found.st_size > most else _parsed(path, found.st_mtime_ns)
+    except (OSError, ValueError):
         return None
 
 
@@ -34,24 +33,13 @@ def parsed_file(file: str) -> ast.Module | None:
 def _parsed(path: Path, changed: int) -> ast.Module | None:
     del changed  # a new key after each save
     try:
-        if is_notebook(path):
-            text = read_notebook(path).text.encode()
-        else:
-            text, _ = read_bytes(path, "a Python file", LARGEST_SOURCE)
-    except UserError:
-        return None
-    try:
-        return ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        pass
-    try:
-        return ast.parse(_MAGIC.sub(r"\1pass", text.decode("utf-8", "replace")))
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return parsed(source_of(path), str(path))[0]
+    except (UserError, SyntaxError, ValueError, RecursionError, MemoryError):
         return None
 
 
 def imported_modules(tree: ast.Module) -> Iterator[str]:
-    """Yield the full names of all modules imported in `tree`."""
+    """Yield the full names of all imported modules."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (each.name for each in node.names)
@@ -63,13 +51,13 @@ def imported_modules(tree: ast.Module) -> Iterator[str]:
 
 
 def of_type(tree: ast.AST, kind: type[Node]) -> Iterator[Node]:
-    """Yield the nodes of a kind in `tree`, ordered by line."""
+    """Yield the nodes of a kind, ordered by line."""
     found = [node for node in ast.walk(tree) if isinstance(node, kind)]
     return iter(sorted(found, key=lambda node: (getattr(node, "lineno", 0), getattr(node, "col_offset", 0))))
 
 
 def name_of(node: ast.AST | None) -> str:
-    """Return the last part of a name or an attribute, else ""."""
+    """Return the last part of a name, or ""."""
     if isinstance(node, ast.Name):
         return node.id
     return node.attr if isinstance(node, ast.Attribute) else ""
@@ -81,7 +69,7 @@ def names_in(expression: ast.expr) -> set[str]:
 
 
 def base_of(node: ast.expr) -> ast.expr:
-    """Return the object under any number of indexes and copies."""
+    """Return the object under all indexes and copies."""
     while True:
         if isinstance(node, ast.Subscript):
             node = node.value
@@ -108,7 +96,7 @@ def targets_of(node: ast.stmt) -> Sequence[str]:
 
 
 def is_part_of(value: ast.expr, names: set[str]) -> bool:
-    """Return True if `value` is a copy of the table, or one of its rows or cells."""
+    """Return True for a copy, row or cell of the table."""
     if isinstance(value, ast.Subscript):
         return name_of(base_of(value)) in names
     if not isinstance(value, ast.Call):
@@ -119,13 +107,8 @@ def is_part_of(value: ast.expr, names: set[str]) -> bool:
     return is_copy and any(name_of(base_of(each)) in names for each in value.args)
 
 
-def is_added_to(node: ast.AST, name: str) -> bool:
-    """Return True if a statement changes the number `name` in place."""
-    return isinstance(node, ast.AugAssign) and name_of(node.target) == name
-
-
 def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
-    """Return True if a statement writes to the table with these `names`, or tries to."""
+    """Return True for an attempt to write to the table."""
     if isinstance(node, ast.AugAssign):
         return name_of(base_of(node.target)) in names
     if isinstance(node, ast.Expr) and isinstance(node.value, ast.Compare):  # == in place of =
@@ -143,7 +126,7 @@ def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
 
 
 def is_set_to_constant(node: ast.stmt, names: frozenset[str]) -> bool:
-    """Return True if a statement sets a cell of the table with these `names` to a constant."""
+    """Return True if a cell is set to a constant."""
     target, value = assigned(node)
     if isinstance(value, ast.UnaryOp):
         value = value.operand
@@ -152,18 +135,18 @@ def is_set_to_constant(node: ast.stmt, names: frozenset[str]) -> bool:
 
 
 def is_main_guard(node: ast.If) -> bool:
-    """Return True for `if __name__ == "__main__"`."""
+    """Recognize `if __name__ == "__main__"`."""
     return any(each.id == "__name__" for each in of_type(node.test, ast.Name))
 
 
 def inner_statements(node: ast.stmt) -> Iterator[ast.stmt]:
-    """Yield the statements in a loop, a `with` or a `try`."""
+    """Yield the statements in a loop, `with` or `try`."""
     for part in ("body", "orelse", "finalbody"):
         yield from getattr(node, part, ())
 
 
 def calls_of_step(node: ast.stmt) -> Iterator[ast.Call]:
-    """Yield the calls of a method `step` in a simple statement."""
+    """Yield calls of `step` in a simple statement."""
     if not is_simple(node):
         return
     for call in of_type(node, ast.Call):

@@ -7,6 +7,8 @@ from enum import StrEnum
 from typing import Literal
 
 AlphaSchedule = Literal["constant", "1/N", "by-episode"]
+CountedVisits = Literal["first", "every", "last"]
+"""Visits of a pair in an episode whose returns Monte Carlo counts."""
 
 
 class Rule(StrEnum):
@@ -15,6 +17,7 @@ class Rule(StrEnum):
     Q_LEARNING = "q-learning"
     SARSA = "sarsa"
     EXPECTED_SARSA = "expected-sarsa"
+    DOUBLE_Q = "double-q-learning"
     MONTE_CARLO = "monte-carlo"
     UNKNOWN = "unknown"
 
@@ -35,6 +38,7 @@ class CodeFault(StrEnum):
     WRONG_CELL = "wrong-cell"
     LOSES_UPDATE = "loses-update"
     STEPS_AFTER_END = "steps-after-end"
+    WRONG_TABLE = "wrong-table"
     FIRST_OF_TIES = "first-of-ties"
     NEVER_EXPLORES = "never-explores"
 
@@ -43,7 +47,7 @@ RISKS = frozenset({CodeFault.FIRST_OF_TIES, CodeFault.NEVER_EXPLORES})
 
 
 class UpdateTarget(StrEnum):
-    """The source of the next state's value, right or wrong."""
+    """The source of the next value, right or wrong. With two tables, the update changes Q₁."""
 
     BEST = "max Q(s′)"
     NEXT_ACTION = "Q(s′, a′)"
@@ -54,11 +58,24 @@ class UpdateTarget(StrEnum):
     SAME_ACTION = "Q(s′, a)"
     OWN_STATE = "max Q(s)"
     INDEX = "argmax Q(s′)"
+    BEST_BY_OTHER = "Q₂(s′, argmax Q₁(s′))"
+    OTHER_BEST = "max Q₂(s′)"
+    OTHERS_CHOICE = "Q₁(s′, argmax Q₂(s′))"
     NOTHING = "nothing"
 
 
+UNUSUAL_TARGETS = (
+    UpdateTarget.SAME_ACTION,
+    UpdateTarget.OWN_STATE,
+    UpdateTarget.INDEX,
+    UpdateTarget.OTHERS_CHOICE,
+    UpdateTarget.NOTHING,
+)
+"""Targets of no rule, which a note names."""
+
+
 def step_number(step: int) -> int:
-    """Return the number of `step` for people, who count from 1. Messages and recordings count from 0."""
+    """Return `step` as people count, from 1."""
     return int(step) + 1
 
 
@@ -72,22 +89,21 @@ class MovedCell(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class UpdateFound:
-    """The update that fits the changes of a table. An unknown rule may have `alpha` and `gamma` that fit,
-    if no step distinguishes Q-learning from SARSA. `reason` says so then.
+    """The update that fits the changes of a table.
+
+    An unknown rule may have `alpha` and `gamma` that fit, if no step tells Q-learning from SARSA. `reason`
+    says so then.
 
     Attributes:
         rule: The rule that it is meant to be.
         alpha: Step size, None if undetermined or not constant.
-        alpha_schedule: Kind of step size.
         gamma: Discount, None if undetermined.
-        epsilon: That of Expected SARSA's mean, None if not constant.
-        reward: The environment's reward or the program's own.
-        fits: Share of explained steps, 0 to 1, None for an unknown rule.
-        informative: Number of steps on which the next value matters.
+        epsilon: That of Expected SARSA, None if not constant.
+        fits: Share of explained steps, None for an unknown rule.
+        informative: Steps on which the next value matters.
         departs_at: First unexplained step, from 0.
-        target: Source of the next value, right or wrong.
-        place: The moving cell, right or wrong.
-        uses_reward_before: True if it uses the reward of the previous step.
+        uses_reward_before: True if it uses the previous step's reward.
+        visits: Visits that Monte Carlo counts, None if unknown.
     """
 
     rule: Rule = Rule.UNKNOWN
@@ -102,6 +118,7 @@ class UpdateFound:
     target: UpdateTarget = UpdateTarget.NOTHING
     place: MovedCell = MovedCell.TAKEN
     uses_reward_before: bool = False
+    visits: CountedVisits | None = None
     reason: str = ""
     """Reason why the rule is unknown, as a sentence."""
 
@@ -111,15 +128,11 @@ class CodeFinding:
     """A fault or a risk. A "declared" one relies on a number in the code.
 
     Attributes:
-        fault: Kind of finding.
-        certainty: How certain it is.
         step: First step that shows it, from 0.
         steps_for: Distinguishing steps that support it.
         steps_against: Distinguishing steps against it, 0 for a fault.
         text: What was observed.
         correction: What to do, in the terms of the book.
-        file: File of the line, or "".
-        line: Line in the code, or None.
     """
 
     fault: CodeFault
@@ -134,32 +147,25 @@ class CodeFinding:
 
     @property
     def kind(self) -> Literal["fault", "risk"]:
-        """The kind: "fault" if it is wrong, "risk" if it may fail by bad luck."""
+        """The kind: "fault", or "risk" if only bad luck makes it fail."""
         return "risk" if self.fault in RISKS else "fault"
 
     @property
     def noun(self) -> Literal["bug", "risk"]:
-        """The kind as reports and the screen name it."""
+        """The kind as people read it."""
         return "bug" if self.kind == "fault" else "risk"
 
     @property
     def account(self) -> str:
-        """The text with the number of steps that prove it, and the correction."""
+        """Text, number of proving steps, and correction."""
         proof = "" if self.kind == "risk" else f" Steps that show it: {self.steps_for:,}."
         return f"{self.text}{proof} Fix: {self.correction.rstrip('.')}."
 
 
 @dataclass(frozen=True, slots=True)
 class ExplorationFound:
-    """The ε that explains the latest choices, if they are ε-greedy. It is an estimate, not a proof.
-
-    Attributes:
-        epsilon: The estimate.
-        low: Lower end of its 95 % interval.
-        high: Upper end.
-        choices: Number of choices in states with one best action.
-        name: Name of ε in the code, or "".
-        written: Its value there, or None.
+    """An estimate of ε with its 95 % interval, from the latest `choices` in states with one best action.
+    `name` and `written` are those in the code, "" and None if unknown.
     """
 
     epsilon: float
@@ -171,15 +177,13 @@ class ExplorationFound:
 
     @property
     def departs(self) -> bool:
-        """True if ε in the code is outside the interval. It may fall, or belong to another policy."""
+        """True if ε in the code is outside the interval. It may belong to another policy."""
         return self.written is not None and not self.low <= self.written <= self.high
 
 
 @dataclass(frozen=True, slots=True)
 class SuspectedRisk:
-    """A risk that one run does not prove: with the probability `luck`, random choices among equal values see
-    no reward either.
-    """
+    """A risk that one run does not prove: `luck` is the probability that random choices see no reward."""
 
     finding: CodeFinding
     luck: float

@@ -1,4 +1,4 @@
-"""Training of a user's own agent, in a separate process and without a screen."""
+"""Training of a user's own agent in a separate process."""
 
 from __future__ import annotations
 
@@ -58,22 +58,20 @@ from rl_tui.worlds.world import World
 
 
 GIVEN: Final = ("alpha", "gamma", "epsilon", "epsilon_decay", "epsilon_min", "initial_q")
-"""Hyper-parameters that an agent can receive."""
+"""Hyperparameters that an agent can receive."""
 
 
 def place_of_agent(agent: AgentName) -> AgentPlace:
-    """Return the position of `agent` in its file.
-
-    Raises:
-        UserError: There is no such agent, or there are several, or the file learns when imported.
+    """Return the position of `agent` in its file. Raises UserError if there is none, or several, or the file
+    learns when imported.
     """
     tree = read_script(agent.path).tree
     place = the_agent(tree, agent.path, agent.name)
     if runs_when_imported(tree):
         name = shown(agent.path.name)
         raise UserError(
-            f"{name} makes an environment and learns in it as soon as it is imported: put its loop below "
-            'if __name__ == "__main__":, or watch it unchanged with rl-tui watch'
+            f"{name} starts to learn as soon as it is imported: put its loop below "
+            'if __name__ == "__main__":, or use rl-tui watch, which needs no change'
         )
     return place
 
@@ -81,17 +79,9 @@ def place_of_agent(agent: AgentName) -> AgentPlace:
 def agent_request(
     agent: AgentName, recipe: Recipe, given: Mapping[str, object], goal: Goal, memory: int | None = None
 ) -> ProgramRequest:
-    """Return the request to train `agent` in the scenario of `recipe` with its seed.
+    """Return the request to train `agent` in the scenario of `recipe`.
 
-    Args:
-        agent: File and name.
-        recipe: Scenario, seed and default settings.
-        given: Hyper-parameters from the user, of which agents can receive `GIVEN`.
-        goal: End of the training.
-        memory: Memory limit in bytes, if any.
-
-    Raises:
-        UserError: A hyper-parameter is not a number.
+    Agents can receive `GIVEN` of the hyperparameters `given`. Raises UserError if one is not a number.
     """
     numbers: dict[str, float] = {}
     for name in GIVEN:
@@ -114,9 +104,7 @@ def agent_request(
 
 
 def _defaults(values: Hyperparameters) -> dict[str, float]:
-    """Return the defaults for parameters without a value from the user or the agent. Agents interpret a
-    decay in several ways, but none decays to the ε at which it starts.
-    """
+    """Return the defaults. Without a decay, the least ε is ε itself, however an agent reads the decay."""
     epsilon = values.epsilon
     usual = Hyperparameters()
     return {
@@ -130,7 +118,6 @@ def _defaults(values: Hyperparameters) -> dict[str, float]:
 
 
 def _scenario_name(recipe: Recipe) -> str:
-    """Return the name that finds the scenario in another process: the id of a shipped one, else the file."""
     source = recipe.scenario.source
     return recipe.scenario.id if source.parent == shipped_folder() else str(source)
 
@@ -144,9 +131,10 @@ NEVER: Final = 0
 
 
 class EpisodeRecording(Recording):
-    """The recording of an agent in one environment with `states` · `actions` cells. `on_finished` is
-    called once for each batch of finished episodes, in order, with undiscounted returns and lengths, `[n]`
-    each. `visits`, `[S·A]`, counts how often each pair was taken.
+    """The recording of an agent in one environment.
+
+    `on_finished` receives finished episodes in order: undiscounted returns and lengths, `[n]` each. `visits`,
+    `[S·A]`, counts how often each pair was taken.
     """
 
     def __init__(self, states: int, actions: int, on_finished: OnFinished) -> None:
@@ -172,7 +160,6 @@ class EpisodeRecording(Recording):
             self._finish(steps[:, _REWARD], np.flatnonzero(steps[:, _FLAGS]))
 
     def _finish(self, rewards: FloatArray, ends: IntArray) -> None:
-        """Add `rewards`, `[n]`. An episode ends after each index in `ends`."""
         starts = np.concatenate(([0], ends + 1))
         if not len(ends):
             self._return_so_far += float(rewards.sum())
@@ -197,7 +184,7 @@ _LONGEST_ERROR: Final = 400
 
 @dataclass(slots=True)
 class AgentRun:
-    """One run of an agent: its seed, world and log."""
+    """One run of an agent."""
 
     seed: int
     world: World
@@ -209,25 +196,18 @@ class AgentRun:
 
     @property
     def q(self) -> FloatArray | None:
-        """Estimates of the pairs, `[P]`, 0 for missing entries, or None without a table."""
+        """Estimates, `[P]`, 0 for missing entries, or None."""
         return estimates_of(self.log, self.world.space)
 
     @property
     def mdp(self) -> TabularMDP | None:
-        """The transition table for exact results, or None if it is missing, large or drifting."""
+        """The table for exact results, or None if missing, large or drifting."""
         mdp = self.world.mdp
         return None if mdp is None or mdp.states > MOST_STATES or mdp.drift_std > 0.0 else mdp
 
 
 class AgentRuns:
-    """Runs of an agent that differ in their seed. Exact results use the γ of `recipe`.
-
-    Args:
-        name: File and name of the agent.
-        place: Its position in the file.
-        recipe: Scenario and settings.
-        given: Hyper-parameters from the user.
-    """
+    """Runs of an agent that differ in their seed. `recipe` has the γ of exact results."""
 
     figures: tuple[str, ...] = FIGURES
     is_bandit = False
@@ -245,7 +225,7 @@ class AgentRuns:
         self._digest = None if self._world is None else world_digest(self._world)
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> AgentRun:
-        """Return a fresh run of `seed`; `on_episodes` receive its episodes."""
+        """Return a fresh run of `seed`."""
         world = self._world or begin(_with_seed(self.recipe, seed)).world
         history, hand_on = History(), each_of(*on_episodes)
 
@@ -257,7 +237,7 @@ class AgentRuns:
         return AgentRun(seed, world, history, ProgramLog(recording), recording)
 
     def train(self, run: AgentRun, goal: Goal, on_progress: OnProgress) -> None:
-        """Train `run` until `goal`. Raises UserError, with file and line, if the agent fails."""
+        """Train `run` until `goal`. Raises UserError, with its line, if the agent fails."""
         request = agent_request(self.name, _with_seed(self.recipe, run.seed), self.given, goal)
         wanted = goal.steps or goal.episodes or 0
 
@@ -273,7 +253,6 @@ class AgentRuns:
         run.verdict = verdict_of(run.log)
 
     def _exact(self, run: AgentRun) -> GreedyFigures:
-        """Return exact results of `run`, all None without a table."""
         q, gamma = run.q, self.recipe.hyperparameters.gamma
         if q is None or run.mdp is None:
             return NO_EXACT_FIGURES
@@ -285,7 +264,7 @@ class AgentRuns:
         return figures_of_estimates(run.mdp, q, "random", gamma, self._optima[0])
 
     def measured(self, run: AgentRun) -> MeasuredRun:
-        """Return the input of metrics for `run`."""
+        """Return what metrics read of `run`."""
         recording, total = run.recording, run.history.total_return
         return MeasuredRun(
             recording.count,
@@ -298,14 +277,12 @@ class AgentRuns:
         )
 
     def row(self, run: AgentRun) -> dict[str, Any]:
-        """Return seed and numbers of `run`, as in `train --runs --json`."""
+        """Return the run as in `train --runs --json`."""
         digest = world_digest(run.world) if self._world is None else self._digest
         return row_of(run.seed, self.measured(run), digest)
 
     def head(self, verdict: ProgramVerdict | None) -> dict[str, Any]:
-        """Return the description of the agent as JSON data. Hyper-parameters are null unless `verdict`
-        proves them.
-        """
+        """Describe the agent as JSON data, with hyperparameters that `verdict` proves."""
         of_recipe, update = head(self.recipe), (verdict or ProgramVerdict()).update
         proven: dict[str, float | str | None] = {
             "alpha": update.alpha,
@@ -326,14 +303,7 @@ class AgentRuns:
 def train_agent(
     runs: AgentRuns, goal: Goal, on_episodes: OnEpisodes | None = None, on_progress: OnProgress = no_progress
 ) -> tuple[AgentRun, dict[str, Any], dict[str, list[Any]]]:
-    """Train the agent of `runs` once.
-
-    Returns:
-        The run, its document, and its mean curve.
-
-    Raises:
-        UserError: The agent failed.
-    """
+    """Return one run, its document and its mean curve. Raises UserError if the agent fails."""
     curve = None if goal.episodes is None else RunCurve(goal.episodes)
     run = runs.new_run(runs.first_seed, on_episodes, curve)
     runs.train(run, goal, on_progress)
@@ -345,14 +315,12 @@ def train_agent(
 def train_agent_often(
     runs: AgentRuns, count: int, goal: Goal, csv: Path | TextIO | None, on_progress: OnProgress = no_progress
 ) -> dict[str, Any]:
-    """Train the agent of `runs` `count` times, and return the document of `train --runs --json`."""
+    """Train `count` times, and return the document of `train --runs --json`."""
     return {**runs.head(None), **figures_of_runs(runs, count, goal, csv, on_progress)}
 
 
 def estimates_of(log: ProgramLog, space: FiniteSpace) -> FloatArray | None:
-    """Return the estimates of the pairs in an agent's table, `[P]`, 0 for missing entries. None without a
-    table of this size.
-    """
+    """Return the table's estimates, `[P]`, 0 for missing entries, or None at another size."""
     recording, actions = log.recording, len(space.action_names)
     if recording.initial is None or len(recording.initial) != space.states * actions:
         return None
@@ -362,7 +330,7 @@ def estimates_of(log: ProgramLog, space: FiniteSpace) -> FloatArray | None:
 
 
 def error_of_agent(log: ProgramLog, goal: Goal) -> ProgramError | None:
-    """Return the exception of the agent, the reason why it could not be watched, or an early end."""
+    """Return why the agent failed, could not be watched, or ended early."""
     error = error_of(log)
     if error is not None:
         return error
@@ -371,12 +339,14 @@ def error_of_agent(log: ProgramLog, goal: Goal) -> ProgramError | None:
         ("episodes", log.episodes, goal.episodes),
     ):
         if wanted is not None and taken < wanted:
-            return ProgramError("Ended", f"the agent ended its process after {taken:,} of {wanted:,} {name}")
+            return ProgramError(
+                "Ended", f"the agent stopped its process after {taken:,} of {wanted:,} {name}"
+            )
     return None
 
 
 def error_in_a_line(path: Path, error: ProgramError) -> str:
-    """Return the error of the program at `path` in one line with its place."""
+    """Return the error with its place, in one line."""
     place = str(path) if error.line is None else f"{error.file or path}, line {error.line}"
     raised = error.text if error.type == UserError.__name__ else f"{error.type}: {error.text}"
     return one_line(raised if error.type == UserError.__name__ else f"{place}: {raised}", _LONGEST_ERROR)

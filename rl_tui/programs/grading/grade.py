@@ -1,4 +1,4 @@
-"""Grading of submissions: their returns under many seeds, compared with the best return."""
+"""Grading of submissions: their returns, compared with the best return."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 @dataclass(frozen=True, slots=True)
 class Yardstick:
-    """The scale of returns in a world: the share of the best is 1 − (best − return) / stake. It is 1 for
-    the best policy. The stake (> 0) is the sum of all rewards and costs in an episode of the best policy.
-    With rewards only, the share is return / best. With costs only, it is 1 minus the relative extra cost:
-    −17 on a cliff of −13 gives 0.69. `of_optimal` is the return of the optimal policy for the world's γ,
-    or None. It may be below the best, which does not discount and may depend on the time.
+    """The scale of returns in a world: the share of the best is 1 − (best − return) / stake.
+
+    The stake (> 0) is the sum of the absolute rewards in an episode of the best policy. With costs only, −17
+    on a cliff of −13 gives 0.69. `of_optimal` is the return of the optimal policy for the world's γ, which
+    may be below the best, because that does not discount.
     """
 
     best: float
@@ -58,13 +58,14 @@ class Yardstick:
     of_optimal: float | None = None
 
     def share(self, value: float | None) -> float | None:
-        """Return the share of the best for a return, or None without a return."""
+        """Return the share of the best, if any."""
         return None if value is None else 1.0 - (self.best - value) / self.stake
 
 
 def yardstick_of(mdp: TabularMDP, gamma: float) -> Yardstick | None:
-    """Return the scale for `mdp`, or None without a best return. The stake is that of the optimal policy
-    for `gamma`. If its episodes have no rewards, the loss of the random policy is used.
+    """Return the scale for `mdp`, if it has a best return.
+
+    Without rewards in the optimal episodes, the loss of the random policy is the stake.
     """
     best = best_expected_return(mdp)
     if best is None:
@@ -78,7 +79,6 @@ def yardstick_of(mdp: TabularMDP, gamma: float) -> Yardstick | None:
 
 
 def _of_optimal_policy(mdp: TabularMDP, gamma: float) -> tuple[float | None, float | None]:
-    """Return the return of the optimal policy, and the sum of absolute rewards in its episode."""
     try:
         policy = uniform_over(mdp, solve(mdp, gamma).greedy)
     except NoExactAnswer:
@@ -94,8 +94,8 @@ _LONGEST_ERROR: Final = 400
 _LONGEST_ID: Final = 80
 _MOST_STEPS: Final = 1_000_000
 """Number of last steps stored for the diagnosis, because several submissions are in memory at once."""
-_NO_TABLE: Final = "no table of values was found in it"
-_NOT_RUN: Final = "not run, as an earlier seed took too long"
+_NO_TABLE: Final = "found no table of values in it"
+_NOT_RUN: Final = "not run, because an earlier seed took too long"
 _SAME_ARRAYS: Final = ("first_pair", "pair_action", "first_outcome", "next_state", "terminated")
 _SAME_NUMBERS: Final = ("probability", "reward", "reward_std")
 _WITH_TABLE: Final = "-table"
@@ -104,7 +104,7 @@ _TOLERANCE: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class GradingLimits:
-    """Limits of one seed of a submission: `seconds`, and `memory` in bytes."""
+    """Limits of one seed: `seconds`, and `memory` in bytes."""
 
     seconds: float = 60.0
     memory: int = 2048 * 2**20
@@ -112,8 +112,8 @@ class GradingLimits:
 
 @dataclass(frozen=True, slots=True)
 class GradedRun:
-    """The result of one seed: the return of the greedy policy and its share of the best, or an error. Both
-    are None if the policy may never end, or at an error.
+    """One seed's return of the greedy policy and its share of the best, or its error. Both are None if the
+    policy may never end.
     """
 
     seed: int
@@ -134,23 +134,23 @@ class GradedSubmission:
 
     @property
     def shares(self) -> list[float]:
-        """Shares of the best, of the seeds that have one."""
+        """Shares of the best that exist."""
         return [run.share for run in self.runs if run.share is not None]
 
     @property
     def mean_share(self) -> float | None:
-        """Mean of `shares`, or None without any."""
+        """Mean of `shares`, if any."""
         return statistics.fmean(self.shares) if self.shares else None
 
     @property
     def passed(self) -> bool:
-        """True if every seed has a return, and the mean share reaches the threshold."""
+        """True if all seeds have a return, and the mean share suffices."""
         mean = self.mean_share
         return mean is not None and len(self.shares) == len(self.runs) and mean >= self.threshold - _TOLERANCE
 
     @property
     def findings(self) -> list[tuple[CodeFinding, int]]:
-        """Each fault with its finding in the first seed, and the number of seeds that show it."""
+        """Each fault, with the number of seeds that show it."""
         first, count = dict[CodeFault, CodeFinding](), dict[CodeFault, int]()
         for run in self.runs:
             for finding in run.findings:
@@ -160,7 +160,6 @@ class GradedSubmission:
         return found if self.passed or RISKS & count.keys() else [*found, *self._risks_of_all()]
 
     def _risks_of_all(self) -> list[tuple[CodeFinding, int]]:
-        """Return the risk that all seeds together prove, if bad luck is ruled out."""
         suspected = [run.suspected for run in self.runs if run.suspected is not None]
         if not suspected:
             return []
@@ -169,24 +168,17 @@ class GradedSubmission:
             return []
         finding = suspected[0].finding
         text = (
-            f"{finding.text} This is so in {k:,} of {n:,} seeds. With random choices among equal values, the "
-            f"chance of that is below {MOST_LUCK:g}."
+            f"{finding.text} This happened in {k:,} of {n:,} seeds. With random choices among equal "
+            "values, the "
+            f"probability of that is below {MOST_LUCK:g}."
         )
         return [(replace(finding, text=text), k)]
 
 
 class Grading:
-    """Grades submissions in a scenario with consecutive seeds.
+    """Grades submissions with consecutive seeds. Raises UserError without an exact solution.
 
-    Args:
-        recipe: Scenario and first seed.
-        seeds: Number of seeds.
-        episodes: Training episodes of an agent.
-        threshold: Mean share of the best to pass.
-        limits: Limits of each seed.
-
-    Raises:
-        UserError: The scenario has no exact solution.
+    `episodes` are for the training of an agent, and `threshold` is the mean share of the best to pass.
     """
 
     def __init__(
@@ -208,13 +200,10 @@ class Grading:
         on_progress: Callable[[int, int], None],
         on_graded: Callable[[GradedSubmission], None] = lambda _: None,
     ) -> list[GradedSubmission]:
-        """Grade submissions in order. A crash does not stop the others, and a slow submission skips its
-        further seeds.
+        """Grade submissions in order. A crash stops no others, and a slow submission skips its further seeds.
 
-        Args:
-            submissions: Files to grade.
-            on_progress: Called with (runs done, runs in all), one call at a time.
-            on_graded: Called with each submission in order, as soon as it is done.
+        `on_progress` receives (runs done, runs in all), one call at a time, and `on_graded` each result in
+        order.
         """
         wanted, done = len(submissions) * self.seeds, 0
 
@@ -253,7 +242,6 @@ class Grading:
     def _graded(
         self, submission: Submission, seed: int, given_up: threading.Event, slow: threading.Event
     ) -> GradedRun:
-        """Return the result of one seed, with any error. `slow` is set if it took too long."""
         try:
             is_agent = agent_of(submission) is not None
             log = self._watched(submission, seed, given_up, is_agent=is_agent)
@@ -278,7 +266,6 @@ class Grading:
     def _watched(
         self, submission: Submission, seed: int, given_up: threading.Event, *, is_agent: bool
     ) -> ProgramLog:
-        """Return everything that one seed of `submission` reported."""
         request = ProgramRequest(submission.agent.path, seed=seed, memory=self._limits.memory)
         if is_agent:
             recipe = replace(self.recipe, seed=seed)
@@ -300,14 +287,9 @@ class Grading:
         return q
 
     def _q_of_script(self, log: ProgramLog) -> FloatArray:
-        """Return the estimates of a script for the scenario, `[P]`.
-
-        Raises:
-            UserError: The script has no table, or learned in another world.
-        """
         environment = environment_of(log)
         if environment is None:
-            raise UserError("it created no environment that can be watched")
+            raise UserError("it did not create an environment that can be watched")
         known, id_ = world_of_program(environment), self.recipe.scenario.id
         if not _is_same(known.world.mdp, self.mdp):
             raise UserError(
@@ -342,10 +324,9 @@ def grade_report(grading: Grading, graded: Sequence[GradedSubmission]) -> dict[s
 
 
 def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
-    """Return the table of the scenario with its scale of returns."""
     mdp, id_ = begin(recipe).world.mdp, recipe.scenario.id
     if mdp is None or mdp.drift_std > 0.0:
-        said = f"{id_} cannot be used for grading: it has no fixed transition table, so no exact values"
+        said = f"{id_} cannot be used for grading: it has no fixed transition table, and so no exact values"
         raise UserError(f"{said}; {id_}{_WITH_TABLE} has one" if _has_table_twin(id_) else said)
     if mdp.states > MOST_STATES:
         raise UserError(
@@ -358,7 +339,6 @@ def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
 
 
 def _has_table_twin(id_: str) -> bool:
-    """Return True if the scenario exists in a version with a table, such as blackjack-table."""
     try:
         recipe_named(f"{id_}{_WITH_TABLE}")
     except UserError:

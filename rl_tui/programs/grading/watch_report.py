@@ -1,4 +1,4 @@
-"""The report on a program watched to its end: the document of `watch --json`."""
+"""The report on a program watched to its end, `watch --json`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.programs.evidence.code_names import declared_discount
+from rl_tui.programs.evidence.code_names import DISCOUNTS, declared
 from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict, UpdateFound, step_number
 from rl_tui.programs.watched.notebook import cell_of
 from rl_tui.programs.watched.program_log import FoundTable, ProgramEnvironment, ProgramError, ProgramLog
@@ -16,12 +16,10 @@ from rl_tui.runs.figures import MOST_STATES, finite
 
 @dataclass(frozen=True, slots=True)
 class LearnedFigures:
-    """Exact results of a program's greedy policy, or None if unknown.
+    """Exact results of the greedy policy, or None.
 
-    Attributes:
-        expected_return: Undiscounted return within the time limit.
-        best_expected_return: The same of the best policy.
-        value_at_start: Discounted by the γ found, or by the γ in the code if that is 0.
+    `expected_return` is undiscounted, within the time limit. `value_at_start` is discounted by the γ found,
+    or by the γ in the code if that is 0.
     """
 
     expected_return: float | None = None
@@ -30,10 +28,10 @@ class LearnedFigures:
 
 
 def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[str, Any]:
-    """Return the report on the program of `log` as JSON data. `script` is its name."""
-    gamma, declared = verdict.update.gamma, declared_discount(log.numbers)
-    if gamma == 0.0 and declared is not None:  # without the next state in the update, the intended γ counts
-        gamma = declared[1]
+    """Return the report on the program as JSON data."""
+    gamma, written = verdict.update.gamma, declared(log.numbers, DISCOUNTS)
+    if gamma == 0.0 and written is not None:  # without the next state in the update, the intended γ counts
+        gamma = written[1]
     environment, learned = environment_of(log), learned_figures(log, gamma)
     document: dict[str, Any] = finite(
         {
@@ -56,14 +54,14 @@ def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[
 
 
 def environment_of(log: ProgramLog) -> ProgramEnvironment | None:
-    """Return the environment of the table, or the first one without a table."""
+    """Return the table's environment, or the first one."""
     cells = None if log.recording.initial is None else len(log.recording.initial)
     fitting = (each for each in log.environments if each.states * each.actions == cells)
     return next(fitting, log.environments[0] if log.environments else None)
 
 
 def episodes_of(log: ProgramLog) -> int:
-    """Return the number of episodes that have ended or were left."""
+    """Count the episodes that ended or were left."""
     steps = log.recording.steps
     if not log.episodes:
         return 0
@@ -71,19 +69,14 @@ def episodes_of(log: ProgramLog) -> int:
 
 
 def error_of(log: ProgramLog) -> ProgramError | None:
-    """Return the exception of a program or its refusal, or None."""
+    """Return the program's exception or refusal, if any."""
     return ProgramError("Refused", log.refused) if log.refused else log.error
 
 
 def learned_figures(log: ProgramLog, gamma: float | None) -> LearnedFigures:
-    """Return exact results of a program's table, with ties shared equally.
+    """Return exact results of a table, with ties shared equally.
 
-    Args:
-        log: Everything the program reported.
-        gamma: γ found in the program, if any.
-
-    Returns:
-        Results, all None without a transition table or above 50,000 states.
+    All are None without a transition table or above 50,000 states.
     """
     from rl_tui.agents.exact.policy_figures import expected_return, figures, greedy_policy
     from rl_tui.agents.exact.solve import best_expected_return
@@ -170,7 +163,6 @@ def _error(error: ProgramError | None) -> dict[str, Any] | None:
 
 
 def _place(file: str, line: int | None) -> dict[str, Any]:
-    """Return a place in the code, in a notebook with its cell."""
     cell = None if line is None else cell_of(file, line)
     if cell is None:
         return {"file": file or None, "line": line}

@@ -1,6 +1,4 @@
-"""The shape of a user's own agent, and the binding of its parameters by name. The methods of an agent
-decide its shape. It needs no base class.
-"""
+"""The shapes of users' agents, and the binding of parameters by name."""
 
 from __future__ import annotations
 
@@ -32,15 +30,11 @@ class AgentShape:
     """A shape of agents.
 
     Attributes:
-        style: Id of the shape.
-        title: Title for people.
-        methods: Methods that an agent of this shape must have.
         choose: Method that chooses an action.
         update: Method that learns.
-        roles: Roles of `NAMES` that the parameters of each method may have.
-        signatures: Text for people.
-        done_is_either: True if `done` is also true at a truncation, so that a missing bootstrap there is
-            not a fault of the author.
+        roles: Roles of `NAMES` that each method's parameters may have.
+        done_is_either: True if `done` is also true at a truncation. A missing bootstrap there is then not the
+            author's fault.
     """
 
     style: Style
@@ -130,7 +124,7 @@ LEARNING: Final = (
 
 
 def style_of_methods(methods: frozenset[str]) -> Style | None:
-    """Return the style of a class with these `methods`, or None."""
+    """Return the style of a class with these `methods`."""
     return next((each.style for each in SHAPES if each.methods and methods.issuperset(each.methods)), None)
 
 
@@ -143,8 +137,9 @@ def shape_with(choose: str, update: str) -> AgentShape:
 
 
 def shapes_in_words() -> str:
-    """Return all shapes as text for messages."""
-    return "; ".join(f"{shape.style}: {shape.signatures}" for shape in SHAPES)
+    """List the methods of each style, as a sentence."""
+    styles = "; ".join(f"{shape.style} has {shape.signatures}" for shape in SHAPES)
+    return f"An agent needs the methods of one of these styles: {styles}"
 
 
 # Binding by name
@@ -152,20 +147,19 @@ def shapes_in_words() -> str:
 
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "state": (
-        "s",
-        "state",
-        "obs",
-        "observation",
-        "current_state",
-        "prev_state",
-        "last_state",
-        "st",
-        "s0",
-        "state1",
-        "old_state",
-        "old_obs",
-        "discrete_obs",
-        "cur_state",
+        *(
+            "s",
+            "state",
+            "obs",
+            "observation",
+            "current_state",
+            "prev_state",
+            "last_state",
+            "st",
+            "s0",
+            "state1",
+        ),
+        *("old_state", "old_obs", "discrete_obs", "cur_state"),
     ),
     "action": ("a", "action", "act", "last_action", "prev_action", "a0", "action1"),
     "reward": ("r", "reward", "rew"),
@@ -175,16 +169,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
         *("successor", "state2", "following_state", "next_discrete_obs"),
     ),
     "next_action": (
-        "a_next",
-        "next_a",
-        "next_action",
-        "new_action",
-        "a_prime",
-        "a2",
-        "ap",
-        "a_",
-        "action_",
-        "action2",
+        *("a_next", "next_a", "next_action", "new_action", "a_prime", "a2", "ap", "a_", "action_", "action2"),
     ),
     "terminated": ("terminated", "terminal", "term", "is_terminal"),
     "truncated": ("truncated", "trunc"),
@@ -231,13 +216,13 @@ _LONGEST: Final = 40
 
 
 def role_of(name: str) -> str:
-    """Return the role of a parameter, or "". Case and underscores are ignored."""
+    """Return the role of a parameter, or "". Case and underscores do not matter."""
     small = name.lower()
     return _ROLE_OF.get(small) or _WITHOUT_UNDERSCORES.get(small.replace("_", ""), "")
 
 
 def signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
-    """Return the signature of `called`, the agent's `name`. Raises UserError if it has none."""
+    """Return the signature of the agent's `name`. Raises UserError if it has none."""
     try:
         return inspect.signature(called)
     except (TypeError, ValueError) as fault:
@@ -247,24 +232,16 @@ def signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
 def bound_roles(
     called: Callable[..., Any], name: str, known: Iterable[str], left_to_defaults: Container[str] = ()
 ) -> dict[str, str]:
-    """Return the role of each parameter that must be given. Parameters with a default are left to it, if
-    their role is not in `known`, or is in `left_to_defaults`.
+    """Return the role of each parameter that must be given. Raises UserError with all that cannot be bound.
 
-    Args:
-        called: Method of the agent.
-        name: Its name for messages.
-        known: Roles with values.
-        left_to_defaults: Roles for which a default has precedence.
-
-    Raises:
-        UserError: Parameters cannot be bound. The message names all of them.
+    A default is kept if the role is not in `known`, or is in `left_to_defaults`.
     """
     known, roles, unknown = frozenset(known), dict[str, str](), []
     for parameter in signature_of(called, name).parameters.values():
         role, has_default = role_of(parameter.name), parameter.default is not inspect.Parameter.empty
         if role in known and parameter.kind in _NAMED and not (has_default and role in left_to_defaults):
             roles[parameter.name] = role
-        elif not has_default and _is_single(parameter):
+        elif not (has_default or parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)):
             unknown.append(parameter.name)
     if unknown:
         raise UserError(_cannot_bind(name, unknown, known))
@@ -272,11 +249,7 @@ def bound_roles(
 
 
 def bind(called: Callable[..., Any], name: str, known: Iterable[str]) -> Callable[[Mapping[str, Any]], Any]:
-    """Return a function that calls `called`, the agent's `name`, with values by role.
-
-    Raises:
-        UserError: A parameter has neither a known role nor a default.
-    """
+    """Return a function that calls `called` with values by role. Raises UserError as `bound_roles`."""
     roles = tuple(bound_roles(called, name, known).items())
 
     def call(values: Mapping[str, Any]) -> Any:
@@ -292,8 +265,10 @@ def constructor_arguments(
     given: Mapping[str, float],
     defaults: Mapping[str, float],
 ) -> dict[str, Any]:
-    """Return the arguments for an agent's constructor by parameter. A constructor with `**arguments`
-    receives only numbers and the legal actions.
+    """Return the arguments for an agent's constructor by parameter.
+
+    A constructor with `**arguments` receives only numbers and the legal actions. Raises UserError with all
+    parameters that cannot be bound.
 
     Args:
         called: The constructor.
@@ -301,9 +276,6 @@ def constructor_arguments(
         surroundings: Environment, sizes and seed by role.
         given: Numbers from the user by role, which have precedence.
         defaults: Numbers by role for parameters without a default.
-
-    Raises:
-        UserError: Parameters cannot be bound. The message names all of them.
     """
     values, unknown = dict[str, Any](), []
     parameters = signature_of(called, name).parameters
@@ -329,7 +301,6 @@ def constructor_arguments(
 def _arguments_of_any_name(
     numbers: Mapping[str, float], surroundings: Mapping[str, Any], named: Iterable[str]
 ) -> dict[str, Any]:
-    """Return the arguments that Berkeley's `**args` passes to its base class, except `named` ones."""
     usual = {
         "actionFn": surroundings["legal_actions"],
         "alpha": numbers["alpha"],
@@ -341,16 +312,12 @@ def _arguments_of_any_name(
     return {name: value for name, value in usual.items() if role_of(name) not in roles}
 
 
-def _is_single(parameter: inspect.Parameter) -> bool:
-    return parameter.kind not in (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
-
-
 def _cannot_bind(name: str, unknown: Iterable[str], known: Iterable[str]) -> str:
     names = ", ".join(one_line(each, _LONGEST) for each in unknown)
     understood = ", ".join(NAMES[role][0] for role in NAMES if role in frozenset(known))
     return (
-        f"{name}: unknown parameter {names}; give it a default, or rename it to one of "
-        f"{understood}. The shapes: {shapes_in_words()}"
+        f"{name}: unknown parameter {names}; give it a default, or rename it to one of {understood}. "
+        f"{shapes_in_words()}"
     )
 
 
@@ -361,12 +328,12 @@ _FOLDER = Path(__file__).parent / "skeletons"
 
 
 def skeleton(style: Style) -> str:
-    """Return the text of an agent in `style` without its update."""
+    """Return an agent in `style` without its update."""
     return (_FOLDER / f"{style.value}.py.txt").read_text(encoding="utf-8")
 
 
 def write_skeleton(path: Path, style: Style) -> None:
-    """Write an agent in `style` to the new file `path`. Raises UserError if that fails."""
+    """Write a skeleton to a new file. Raises UserError if that fails."""
     from rl_tui.common.files import write_new
 
     if path.suffix != ".py":

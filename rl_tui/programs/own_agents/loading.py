@@ -1,6 +1,4 @@
-"""Finding the agents in a file, and running it as a module. Agents are recognized from the source before
-it is run. A base class may be in another file of the same folder. Other base classes are unknown.
-"""
+"""Finding the agents in a file's source, and running it as a module."""
 
 from __future__ import annotations
 
@@ -37,9 +35,7 @@ _DEFINITIONS: Final = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class AgentPlace(NamedTuple):
-    """An agent in a file: `name` of its class or function, shape, first line, and the names of its methods
-    if they are not the usual ones of the shape.
-    """
+    """An agent in a file, with the unusual names of its methods if any."""
 
     name: str
     style: Style
@@ -48,12 +44,12 @@ class AgentPlace(NamedTuple):
 
     @property
     def shape(self) -> AgentShape:
-        """The shape with the names of the methods."""
+        """Its shape, with those names."""
         return SHAPE_OF[self.style] if self.methods is None else shape_with(*self.methods)
 
 
 class AgentName(NamedTuple):
-    """Parts of `FILE.py[:NAME]`. `name` is empty if the file has only one agent."""
+    """Parts of `FILE.py[:NAME]`. `name` may be empty."""
 
     path: Path
     name: str
@@ -66,9 +62,10 @@ class AgentName(NamedTuple):
 
 
 def agents_in(tree: ast.Module, folder: Path) -> list[AgentPlace]:
-    """Return the agents in the file of `tree`, in its `folder`, in order, without abstract classes. Bare
-    functions count only without a class of a known shape, and without an environment, because they belong
-    to a script there.
+    """Return the concrete agents in a file, in order.
+
+    Bare functions count only without an agent's class, and without an environment, because they belong to a
+    script there.
     """
     found = (_place_of(each, tree, folder) for each in _classes(tree))
     classes = [each for each in found if each is not None]
@@ -81,16 +78,7 @@ def agents_in(tree: ast.Module, folder: Path) -> list[AgentPlace]:
 
 
 def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
-    """Return the agent `name`, or the only one if that is empty.
-
-    Args:
-        tree: Syntax tree of the file.
-        path: Path of the file.
-        name: Name of a class or function, or "".
-
-    Raises:
-        UserError: There is no such agent, or there are several.
-    """
+    """Return the agent `name`, the only one for "". Raises UserError if there is none or several."""
     file, places = shown(path.name), agents_in(tree, path.parent)
     if name:
         named = _named(tree, path.parent, name)
@@ -98,9 +86,7 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
             return named
         others = [each.name for each in tree.body if isinstance(each, (ast.ClassDef, ast.FunctionDef))]
         if name in others:
-            raise UserError(
-                f"{file}: {shown(name)} is not an agent: an agent has these methods: {shapes_in_words()}"
-            )
+            raise UserError(f"{file}: {shown(name)} is not an agent. {shapes_in_words()}")
         raise UserError(f"{file}: there is no {shown(name)}{near(name, others)}")
     if len(places) == 1:
         return places[0]
@@ -109,12 +95,14 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
         raise UserError(
             f"{file} has several agents ({names}); choose one, as in {path.name}:{places[0].name}"
         )
-    raise UserError(f"{file}: found no agent: an agent has these methods: {shapes_in_words()}")
+    raise UserError(f"{file}: found no agent. {shapes_in_words()}")
 
 
 def runs_when_imported(tree: ast.Module) -> bool:
-    """Return True if importing the file would take steps: it makes an environment on import, or has a loop
-    on import and makes one somewhere. Code below a test of `__name__` does not count.
+    """Return True if importing the file would take steps.
+
+    It makes an environment on import, or loops on import and makes one somewhere. Code below a test of
+    `__name__` does not count.
     """
     run = [each for each in tree.body if not (isinstance(each, _DEFINITIONS) or _asks_for_name(each))]
     if any(makes_environment(each) for each in run):
@@ -124,8 +112,9 @@ def runs_when_imported(tree: ast.Module) -> bool:
 
 
 def load_module(code: CodeType, path: Path) -> ModuleType:
-    """Run `code` of the file `path` as a module named after the file. `__name__` is not `__main__`, so
-    that guarded loops do not run. Modules in its folder can be imported. Raises any exception of the file.
+    """Run a file as a module named after it.
+
+    Guarded loops do not run, and modules in its folder can be imported. Raises any exception of the file.
     """
     folder = str(path.absolute().parent)
     if folder not in sys.path:
@@ -145,7 +134,6 @@ def _classes(tree: ast.Module) -> Iterator[ast.ClassDef]:
 
 
 def _place_of(node: ast.ClassDef, tree: ast.Module, folder: Path) -> AgentPlace | None:
-    """Return the agent that a class is, or None if it is abstract or not an agent."""
     methods = _methods(node, tree, folder, _DEEPEST)
     style = style_of_methods(frozenset(methods))
     if style is not None:
@@ -160,7 +148,6 @@ def _place_of(node: ast.ClassDef, tree: ast.Module, folder: Path) -> AgentPlace 
 
 
 def _learns(method: _Function) -> bool:
-    """Return True if `method` has parameters for a whole step."""
     return _roles(method).issuperset(OF_LEARNING)
 
 
@@ -182,7 +169,6 @@ def _methods(node: ast.ClassDef, tree: ast.Module, folder: Path, deepest: int) -
 def _class_called(
     name: str, but: ast.ClassDef, tree: ast.Module, folder: Path
 ) -> Iterator[tuple[ast.ClassDef, ast.Module]]:
-    """Yield the class `name` in the file, or in the file of the folder from which it is imported."""
     for each in _classes(tree):
         if each.name == name and each is not but:
             yield each, tree
@@ -205,7 +191,6 @@ def _parsed(path: Path) -> ast.Module | None:
 
 
 def _is_abstract(method: _Function) -> bool:
-    """Return True if a method must be overridden."""
     if any(_last_name(each) == "abstractmethod" for each in method.decorator_list):
         return True
     last = method.body[-1]
@@ -218,7 +203,6 @@ def _last_name(node: ast.AST | None) -> str:
 
 
 def _named(tree: ast.Module, folder: Path, name: str) -> AgentPlace | None:
-    """Return the agent `name`. A function given by name may have any name."""
     for each in tree.body:
         if isinstance(each, ast.ClassDef) and each.name == name:
             return _place_of(each, tree, folder)
@@ -240,5 +224,5 @@ def _asks_for_name(node: ast.stmt) -> bool:
 
 
 def makes_environment(tree: ast.AST) -> bool:
-    """Return True if `make` is called anywhere, as in `gymnasium.make(…)`."""
+    """Return True if `make` is called anywhere."""
     return any(_last_name(each.func) == "make" for each in ast.walk(tree) if isinstance(each, ast.Call))

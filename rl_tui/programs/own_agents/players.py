@@ -1,12 +1,13 @@
-"""Players: each asks an agent of one shape for actions and reports the steps to it."""
+"""Players: each asks an agent of one shape for actions."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -42,24 +43,23 @@ class Happened(NamedTuple):
     mask: Mask = None
 
 
-class AgentPlayer(Protocol):
+class AgentPlayer(ABC):
     """An agent in the loop."""
 
+    @abstractmethod
     def begin(self, state: int, mask: Mask) -> Any:
         """Begin an episode and return its first action."""
-        ...
 
+    @abstractmethod
     def after(self, step: Happened) -> Any:
-        """Learn from `step` and return the next action, which is irrelevant after an end."""
-        ...
+        """Learn from `step` and return the next action, irrelevant after an end."""
 
-    def end(self, episode: int) -> None:
+    def end(self, episode: int) -> None:  # noqa: B027
         """End the episode `episode`, from 0."""
-        ...
 
 
-class MethodsPlayer:
-    """An object with one method to choose an action and one to learn."""
+class MethodsPlayer(AgentPlayer):
+    """An object with methods to choose and to learn."""
 
     def __init__(self, agent: Any, shape: AgentShape, env: Any) -> None:
         self._env, self._either = env, shape.done_is_either
@@ -74,11 +74,11 @@ class MethodsPlayer:
         self._episode = 0
 
     def begin(self, state: int, mask: Mask) -> Any:
-        """Return the first action."""
+        """Choose the first action."""
         return self._choose({"env": self._env, "state": state, "episode": self._episode})
 
     def after(self, step: Happened) -> Any:
-        """Let the agent learn, and return the next action."""
+        """Learn and choose."""
         over = step.terminated or step.truncated
         given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
         if self._looks_ahead:
@@ -96,7 +96,7 @@ class MethodsPlayer:
 
 
 class LegalActions:
-    """Berkeley's `actionFn`: the actions of the agent's current state, () after the end."""
+    """Berkeley's `actionFn`: the actions of the current state, () after the end."""
 
     def __init__(self, actions: int) -> None:
         self._all = tuple(range(actions))
@@ -104,18 +104,18 @@ class LegalActions:
         self._ended_in: int | None = None
 
     def __call__(self, state: Any) -> tuple[int, ...]:
-        """Return the available actions in `state`, or all if it was never entered."""
+        """Return the actions in `state`, all if it was never entered."""
         return () if state == self._ended_in else self._known.get(state, self._all)
 
     def enter(self, state: int, mask: Mask, *, terminated: bool = False) -> None:
-        """Record that the agent is in `state`, after a terminal step if `terminated`."""
+        """Record that the agent is in `state`."""
         self._ended_in = state if terminated else None
         if mask is not None and not terminated:
             self._known[state] = tuple(np.flatnonzero(mask).tolist())
 
 
-class BerkeleyPlayer:
-    """An agent of Berkeley's course, which asks for the available actions itself."""
+class BerkeleyPlayer(AgentPlayer):
+    """An agent of Berkeley's course, which asks for the available actions."""
 
     def __init__(self, agent: Any, legal: LegalActions) -> None:
         shape = SHAPE_OF[Style.BERKELEY]
@@ -124,22 +124,19 @@ class BerkeleyPlayer:
         self._update = bind(agent.update, "update", shape.roles["update"])
 
     def begin(self, state: int, mask: Mask) -> Any:
-        """Return the first action."""
+        """Choose the first action."""
         self._legal.enter(state, mask)
         return self._choose({"state": state})
 
     def after(self, step: Happened) -> Any:
-        """Let the agent learn, and return the next action."""
+        """Learn and choose."""
         self._legal.enter(step.next_state, step.mask, terminated=step.terminated)
         self._update(step._asdict())
         over = step.terminated or step.truncated
         return None if over else self._choose({"state": step.next_state})
 
-    def end(self, episode: int) -> None:
-        """Ignore the end, which this shape is not told."""
 
-
-class GluePlayer:
+class GluePlayer(AgentPlayer):
     """An agent in RL-Glue's shape. `agent_end` is called only after a terminal step."""
 
     def __init__(self, agent: Any) -> None:
@@ -150,45 +147,37 @@ class GluePlayer:
         )
 
     def begin(self, state: int, mask: Mask) -> Any:
-        """Return the first action."""
+        """Choose the first action."""
         return self._start({"state": state})
 
     def after(self, step: Happened) -> Any:
-        """Let the agent learn, and return the next action."""
+        """Learn and choose."""
         if step.terminated:
             return self._end({"reward": step.reward})
         # also at a truncation, so that the last step is learned; the returned action is never taken
         return self._step({"reward": step.reward, "state": step.next_state})
 
-    def end(self, episode: int) -> None:
-        """Ignore the end, which this shape is not told."""
 
-
-class FunctionPlayer:
-    """An ε-greedy policy with random ties around a bare function, which updates the table `q`, `[S, A]`,
-    in place or returns another one. `numbers` are its hyper-parameters by role.
+class FunctionPlayer(AgentPlayer):
+    """An ε-greedy policy with random ties around a function, which updates the table `q`, `[S, A]`, or
+    returns another.
     """
 
     def __init__(
-        self,
-        update: Callable[..., Any],
-        name: str,
-        shape: tuple[int, int],
-        numbers: Mapping[str, float],
-        given: Mapping[str, float],
-        seed: int,
+        self, update: Callable[..., Any], name: str, shape: tuple[int, int], settings: GivenSettings
     ) -> None:
+        numbers = settings.numbers
         self.q: Any = np.full(shape, float(numbers.get("initial_q", 0.0)))
         self._shape = shape
-        left_to_defaults = {"alpha", "gamma"}.difference(given)
+        left_to_defaults = {"alpha", "gamma"}.difference(settings.given)
         self._roles = tuple(bound_roles(update, name, FUNCTION.roles[""], left_to_defaults).items())
         self._looks_ahead = any(role == "next_action" for _, role in self._roles)
-        self._update, self._numbers, self._random = update, numbers, Random(f"{seed} policy")
+        self._update, self._numbers, self._random = update, numbers, Random(f"{settings.seed} policy")
         self._all = range(shape[1])
         self._epsilon = numbers["epsilon"]
 
     def begin(self, state: int, mask: Mask) -> int:
-        """Return an action, ε-greedy."""
+        """Choose the first action."""
         legal = self._all if mask is None or not mask.any() else np.flatnonzero(mask).tolist()
         if self._random.random() < self._epsilon:
             return self._random.choice(legal)
@@ -198,7 +187,7 @@ class FunctionPlayer:
         return self._random.choice(ties)
 
     def after(self, step: Happened) -> Any:
-        """Let the function learn, and return the next action."""
+        """Learn and choose."""
         ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
         given = {"q": self.q, "done": step.terminated, "next_action": ahead}
         values = {**step._asdict(), **self._numbers, **given}
@@ -224,8 +213,8 @@ _IN_INFO: Final = frozenset({"alpha", "gamma", "epsilon"})
 
 @dataclass(frozen=True, slots=True)
 class GivenSettings:
-    """The settings of an agent. `given` are numbers from the user by role. `defaults` are those of the
-    scenario, with at least alpha, gamma and epsilon. `episodes` is None if a number of steps ends it.
+    """Settings of an agent, by role. `defaults` has alpha, gamma and epsilon. `episodes` is None for a number
+    of steps.
     """
 
     given: Mapping[str, float]
@@ -235,19 +224,17 @@ class GivenSettings:
 
     @property
     def small_seed(self) -> int:
-        """The seed in 32 bits, the limit of NumPy's legacy generators, which many agents use."""
+        """The seed in 32 bits, the limit of NumPy's legacy generators."""
         return self.seed % 2**32
 
     @property
     def numbers(self) -> dict[str, float]:
-        """All numbers by role, for parameters without a default."""
+        """Numbers for parameters without a default."""
         return {**self.defaults, **self.given}
 
 
 class ReadyAgent(NamedTuple):
-    """The agent, its player, and the given numbers that it does not use. For a bare function, the first
-    two are the same.
-    """
+    """The agent (for a function its player), the player, and given numbers that it does not use."""
 
     agent: Any
     player: AgentPlayer
@@ -255,17 +242,8 @@ class ReadyAgent(NamedTuple):
 
 
 def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings) -> ReadyAgent:
-    """Make the agent for `env`.
-
-    Args:
-        built: Class or function of the agent.
-        place: Its name and shape.
-        env: Environment.
-        settings: Seed, episodes and hyper-parameters.
-
-    Raises:
-        UserError: Parameters cannot be bound. The message names all of them.
-        Exception: Any exception of the constructor.
+    """Make the agent for `env`. Raises UserError for unbound parameters, and any exception of the
+    constructor.
     """
     sizes = int(env.observation_space.n), int(env.action_space.n)
     if place.style == Style.FUNCTION:
@@ -299,13 +277,12 @@ def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings
 
 
 def _of_function(update: Any, name: str, sizes: tuple[int, int], settings: GivenSettings) -> ReadyAgent:
-    function = FunctionPlayer(update, name, sizes, settings.numbers, settings.given, settings.seed)
+    function = FunctionPlayer(update, name, sizes, settings)
     taken = bound_roles(update, name, FUNCTION.roles[""]).values()
     return ReadyAgent(function, function, frozenset(settings.given) & {"alpha", "gamma"} - set(taken))
 
 
 def _agent_info(sizes: tuple[int, int], settings: GivenSettings) -> dict[str, float | int]:
-    """Return the argument for RL-Glue's `agent_init`."""
     numbers = settings.numbers
     return {
         "num_states": sizes[0],

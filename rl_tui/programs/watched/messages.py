@@ -5,7 +5,7 @@ payload. Steps and changes are numbers only, so nothing that a program writes ca
 
 ===== ================================================================================================
 S     doubles: ``n``, then ``n`` steps of ``STEP_WIDTH`` numbers, then changes of ``CHANGE_WIDTH`` numbers
-T     doubles, [S·A]: the table as found, NaN for missing entries; follows its message
+T     doubles, [S·A]: the table as found, NaN for missing entries, or two of them; follows its message
 J     a JSON object with a ``kind``, for rare messages
 O     the same from the watching side: the output of the program, and its end
 ===== ================================================================================================
@@ -14,7 +14,8 @@ A step is (environment, state, action, reward, next state, flags, episode, step 
 change is (step, cell, before, after). Episodes count from 0 over all environments, steps of an episode
 from 0. States are numbers, in row-major order for a tuple of observations. A cell is state · A + action.
 `step` counts from 0 over the whole program. A change belongs to the step before the next call of `step` or
-`reset`. `before` is NaN for a missing entry.
+`reset`. `before` is NaN for a missing entry. With two tables, the cells of the mean come first, those of the
+first table count from S·A, and those of the other from 2·S·A.
 
 The watching side writes lines of JSON, which the program reads at each wait, and about thirty times a
 second while it runs. Each has a `number` from 1. A waiting program reports again after each line, with the
@@ -91,6 +92,10 @@ class MessageKind:
     """
     REBOUND: Final = "rebound"
     """step: another object is the table now. Its differences are sent as changes."""
+    PAIR: Final = "pair"
+    """step, name: the table and another one, `name`, change in turn, and their mean is the table now. A frame
+    with the content of both follows.
+    """
     SHARED: Final = "shared"
     """step: rows of the table are the same object."""
     NUMBERS: Final = "numbers"

@@ -1,6 +1,4 @@
-"""A Jupyter notebook as a script. Its code keeps the line numbers of the file where each line of code has a
-line there, as Jupyter writes it.
-"""
+"""A Jupyter notebook as a script, with the line numbers of its file."""
 
 from __future__ import annotations
 
@@ -27,58 +25,61 @@ _NO_PYTHON: Final = re.compile(r"^(\s*)(?:[\w.]+\s*=\s*[!%].*|\?{1,2}[\w.]+|[\w.
 
 
 class CodeCell(NamedTuple):
-    """A code cell: its number among all cells, from 1, and the line of the script before its first line."""
+    """A code cell: its number, from 1, the line of the script before it, and its Python."""
 
     number: int
     before: int
+    code: tuple[str, ...] = ()
 
 
 class Notebook(NamedTuple):
-    """The script of a notebook: its `text`, its cells, and the number of skipped lines."""
+    """A notebook's script, its cells, and the number of skipped lines."""
 
     text: str
     cells: tuple[CodeCell, ...]
     skipped: int
 
-    def place(self, line: int) -> tuple[int, int]:
-        """Return the cell of a line of the script, and the line within the cell."""
+    def place(self, line: int) -> tuple[CodeCell, int]:
+        """Return a line's cell, and the line in it."""
         found = bisect_right([each.before for each in self.cells], line - 1) - 1
         cell = self.cells[max(found, 0)] if self.cells else CodeCell(1, 0)
-        return cell.number, line - cell.before
+        return cell, line - cell.before
+
+    def place_in_words(self, line: int) -> str:
+        """Return "cell 5, line 3"."""
+        cell, within = self.place(line)
+        return f"cell {cell.number}, line {within}"
 
 
 def is_notebook(file: str | Path) -> bool:
-    """Return True if `file` has the name of a notebook."""
+    """Recognize a notebook by its name."""
     return str(file).endswith(SUFFIX)
 
 
 def read_notebook(path: Path) -> Notebook:
-    """Return the script of the notebook at `path`.
-
-    Raises:
-        UserError: It cannot be read, or has no Python.
-    """
+    """Return a notebook's script. Raises UserError if it has no readable Python."""
     name = printable(str(path))
     try:
         return _script(read_text(path, _KIND, LARGEST_NOTEBOOK))
     except UnreadableError as reason:
         raise UserError(f"{name}: {reason}") from reason
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        raise UserError(f"{name}: found something else; expected a notebook of Jupyter in Python") from error
+        raise UserError(f"{name}: not a Jupyter notebook in Python; choose another file") from error
 
 
 def cell_of(file: str, line: int) -> tuple[int, int] | None:
-    """Return the cell and its line of `line` in the notebook `file`, or None if it is not one."""
+    """Return the cell and its line, None without a notebook."""
     if not is_notebook(file):
         return None
     try:
-        return _known(file, Path(file).stat().st_mtime_ns).place(line)
+        cell, within = _known(file, Path(file).stat().st_mtime_ns).place(line)
     except (OSError, UserError, ValueError):
         return None
+    return cell.number, within
 
 
 def place_in_words(file: str, line: int) -> str:
-    """Return "line 57", or "cell 5, line 3" in a notebook."""
+    """Return "line 57", or "cell 5, line 3"."""
     found = cell_of(file, line)
     return f"line {line}" if found is None else f"cell {found[0]}, line {found[1]}"
 
@@ -105,7 +106,7 @@ def _script(raw: str) -> Notebook:
         code, left_out = _python(source)
         skipped += left_out
         lines += [""] * (begin - len(lines))
-        cells.append(CodeCell(number, begin))
+        cells.append(CodeCell(number, begin, tuple(code)))
         lines += code
     return Notebook("\n".join(lines) + "\n", tuple(cells), skipped)
 
@@ -122,7 +123,6 @@ def _cells(document: Any) -> Iterator[tuple[str, list[str]]]:
 
 
 def _python(source: Sequence[str]) -> tuple[list[str], int]:
-    """Return the Python of a cell, with `pass` for other lines, and the number of those."""
     first = next((place for place, line in enumerate(source) if line.strip()), 0)
     is_magic = source[first].lstrip().startswith("%%")
     if is_magic and not _OF_PYTHON.match(source[first].lstrip()):
@@ -134,14 +134,11 @@ def _python(source: Sequence[str]) -> tuple[list[str], int]:
 
 
 class _LinesOfFile:
-    """The lines of a notebook's file, in which the lines of its cells are found in order."""
-
     def __init__(self, raw: str) -> None:
         self._lines = [each.strip().removesuffix(",") for each in raw.split("\n")]
         self._next = 0
 
     def find(self, source: Sequence[str], least: int) -> int:
-        """Return the number of lines before the first one of `source`, at least `least`."""
         *whole, last = source
         for ascii_only in (False, True):
             wanted = [json.dumps(f"{line}\n", ensure_ascii=ascii_only) for line in whole]

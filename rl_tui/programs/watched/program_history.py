@@ -12,7 +12,7 @@ import numpy as np
 
 from rl_tui.programs.watched.program_world import ProgramWorld
 from rl_tui.programs.watched.recording import ChangeColumns, Recording, StepColumns
-from rl_tui.runs.evaluation import NO_FIGURES, Evaluation, GreedyReturn, MarksState
+from rl_tui.runs.evaluation import NO_FIGURES, Evaluation, GreedyEarnings, GreedyReturn, MarksState
 from rl_tui.runs.history import History
 from rl_tui.runs.results import RunResults
 from rl_tui.runs.timeline.table_samples import CellHistory
@@ -27,7 +27,7 @@ _TIES: Final = "random"  # a program's choice among ties is unknown, so they are
 
 
 class UnderWay(NamedTuple):
-    """An unfinished episode: its number in the program, return and length so far."""
+    """An unfinished episode: its number, return and length so far."""
 
     episode: int
     earned: float
@@ -41,6 +41,7 @@ class ProgressState:
 
     step: int
     episodes: int
+    ended_at: int
     table: FloatArray | None
     changes_until: int
     visits: IntArray
@@ -50,9 +51,10 @@ class ProgressState:
 
 
 class ProgramState:
-    """The state of a program after `step` steps of `recording`; `go_on` advances it. The bits do not
-    depend on how the steps are divided. `table`, `[cells]`, is the program's, with NaN for missing
-    entries, or None while none was found. `visits`, `[P]`, counts how often each pair was taken.
+    """A program after `step` steps of `recording`. The bits do not depend on how the steps are divided.
+
+    `table`, `[cells]`, is the program's, with NaN for missing entries, or None while none was found.
+    `visits`, `[P]`, counts how often each pair was taken.
     """
 
     def __init__(self, recording: Recording, world: ProgramWorld) -> None:
@@ -61,9 +63,13 @@ class ProgramState:
         self.step = 0
         self.episodes = 0
         """Finished episodes, including those that the program left early."""
+        self.ended_at = 0
+        """Step at which the last of them was finished, 0 before the first."""
         self.table: FloatArray | None = None
         self.visits: IntArray = np.zeros(world.world.space.pairs, np.int64)
         self._changes_until = 0  # the table includes changes of earlier steps
+        self._q: FloatArray | None = None  # until the table changes
+        self._greedy: GreedyEarnings | None = None  # the same
         self._under_way: dict[int, UnderWay] = {}  # by environment
         self._history = History()
         mdp = world.world.mdp
@@ -72,33 +78,38 @@ class ProgramState:
 
     @property
     def q(self) -> FloatArray:
-        """Estimates of our pairs, `[P]`, or 0 without a table."""
-        if self.table is None:
-            return np.zeros(self.world.world.space.pairs)
-        return self.world.q_of(self.table)
+        """Our estimates, `[P]`, or 0."""
+        if self._q is None:
+            self._q = np.zeros(len(self.visits)) if self.table is None else self.world.q_of(self.table)
+        return self._q
 
     @property
     def results(self) -> RunResults:
-        """Results so far, without a table there is no greedy return."""
+        """Results so far."""
         mean_return, mean_length = self._history.last_100
-        greedy = NO_FIGURES if self.table is None else self._greedy_return.figures(self.q, _TIES, None)
+        if self._greedy is None:
+            has_table = self.table is not None
+            self._greedy = self._greedy_return.figures(self.q, _TIES, None) if has_table else NO_FIGURES
         return RunResults(
             curve=self._history.curve(),
             marks=self._evaluation.marks(),
             return_last_100=mean_return,
             length_last_100=mean_length,
-            greedy_return=greedy.expected_return,
-            greedy_ends=greedy.ends,
+            greedy_return=self._greedy.expected_return,
+            greedy_ends=self._greedy.ends,
         )
 
     def go_on(self, until: int) -> None:
-        """Advance to the step `until` of the recording."""
+        """Advance to the step `until`."""
         while True:
             self._take_changes()
-            self._mark_if_due(is_left=self.step < until)
+            mark = self._evaluation.next_step
+            # without a table, a mark is taken only when the progress moves on
+            while mark is not None and mark <= self.step and (self.step < until or self.table is not None):
+                self._evaluation.mark(self.episodes, None if self.table is None else self.q, _TIES)
+                mark = self._evaluation.next_step
             if self.step >= until:
                 return
-            mark = self._evaluation.next_step
             stop = min(until, self.step + PIECE)
             self._take_steps(stop if mark is None else min(stop, mark))
 
@@ -107,6 +118,7 @@ class ProgramState:
         return ProgressState(
             self.step,
             self.episodes,
+            self.ended_at,
             None if self.table is None else self.table.copy(),
             self._changes_until,
             self.visits.copy(),
@@ -116,11 +128,12 @@ class ProgramState:
         )
 
     def at(self, state: ProgressState) -> Self:
-        """Return another progress of the same program at `state`."""
+        """Return another progress of the same program."""
         other = copy(self)
-        other.step, other.episodes = state.step, state.episodes
+        other.step, other.episodes, other.ended_at = state.step, state.episodes, state.ended_at
         other.table = None if state.table is None else state.table.copy()
         other._changes_until, other.visits = state.changes_until, state.visits.copy()
+        other._q = other._greedy = None
         other._under_way = dict(state.under_way)
         mdp = self.world.world.mdp
         other._history, other._greedy_return = History(), GreedyReturn(lambda: mdp)
@@ -130,27 +143,21 @@ class ProgramState:
         return other
 
     def _take_changes(self) -> None:
-        """Bring the table up to date with the steps."""
         recording = self.recording
         if self.table is None:
             if recording.initial is None or recording.found_at > self.step:
                 return
             self.table, self._changes_until = recording.initial.copy(), recording.found_at
+            self._q = self._greedy = None
         if self._changes_until < self.step:
             changes = recording.changes
             begin, end = np.searchsorted(changes.step, (self._changes_until, self.step))
-            self.table[changes.cell[begin:end]] = changes.after[begin:end]
             self._changes_until = self.step
-
-    def _mark_if_due(self, *, is_left: bool) -> None:
-        """Take the mark that is due here. Without a table, only when the progress moves on."""
-        mark = self._evaluation.next_step
-        while mark is not None and mark <= self.step and (is_left or self.table is not None):
-            self._evaluation.mark(self.episodes, None if self.table is None else self.q, _TIES)
-            mark = self._evaluation.next_step
+            if begin < end:
+                self.table[changes.cell[begin:end]] = changes.after[begin:end]
+                self._q = self._greedy = None
 
     def _take_steps(self, stop: int) -> None:
-        """Process the steps up to `stop`: finished episodes and taken pairs."""
         steps = steps_between(self.recording, self.step, stop)
         pair_of_cell = self.world.pair_of_cell
         actions = len(self.world.world.space.action_names)
@@ -159,51 +166,41 @@ class ProgramState:
         np.add.at(self.visits, pairs[pairs >= 0], 1)
         finished = self._finished(steps)
         self.episodes += len(finished)
+        if finished:
+            self.ended_at = self.step + finished[-1][0] + 1
         self._history.add(
             np.array([each[1] for each in finished]), np.array([each[2] for each in finished], np.int64)
         )
         self.step = stop
 
     def ends_until(self, stop: int) -> list[int]:
-        """Return the step at which each episode ends, from here to `stop`. This changes unfinished
-        episodes, so call it on a copy.
+        """Return the step at which each episode ends, from here to `stop`.
+
+        This changes unfinished episodes, so call it on a copy.
         """
         steps = steps_between(self.recording, self.step, stop)
         return [self.step + place + 1 for place, _, _ in self._finished(steps)]
 
     def _finished(self, steps: StepColumns) -> list[tuple[int, float, int]]:
-        """Return (place, return, length) of the episodes that end in `steps`, in order."""
         found: list[tuple[int, float, int]] = []
-        for environment in np.unique(steps.environment):
-            places = np.flatnonzero(steps.environment == environment)
-            found += self._finished_in(int(environment), places, steps)
-        return sorted(found)
-
-    def _finished_in(
-        self, environment: int, places: IntArray, steps: StepColumns
-    ) -> list[tuple[int, float, int]]:
-        """Return (place, return, length) of the episodes of one environment."""
-        episode, ended = steps.episode[places], (steps.terminated | steps.truncated)[places]
-        begins = np.flatnonzero(np.diff(episode, prepend=episode[0]) != 0).tolist()
-        pieces = [0, *begins, len(places)]
-        found = []
-        for first, last in pairwise(pieces):
-            if first == last:
-                continue
-            number, before = int(episode[first]), self._under_way.get(environment)
-            earned, length = 0.0, 0
+        order = np.argsort(steps.environment, kind="stable")
+        episode, ended = steps.episode[order], (steps.terminated | steps.truncated)[order]
+        begins = np.flatnonzero(np.diff(episode, prepend=-1)).tolist()
+        for first, last in pairwise((*begins, len(order))):
+            number, environment = int(episode[first]), int(steps.environment[order[first]])
+            before = self._under_way.get(environment)
+            earned, length = 0.0, last - first
             if before is not None and before.episode == number:
-                earned, length = before.earned, before.length
+                earned, length = before.earned, before.length + length
             elif before is not None and not before.has_ended:
-                found.append((int(places[first]), before.earned, before.length))
-            for reward in steps.reward[places[first:last]].tolist():
+                found.append((int(order[first]), before.earned, before.length))
+            for reward in steps.reward[order[first:last]].tolist():
                 earned += reward
-            length += last - first
             has_ended = bool(ended[last - 1])
             if has_ended:
-                found.append((int(places[last - 1]), earned, length))
+                found.append((int(order[last - 1]), earned, length))
             self._under_way[environment] = UnderWay(number, earned, length, has_ended)
-        return found
+        return sorted(found)
 
 
 def steps_between(recording: Recording, first: int, last: int) -> StepColumns:
@@ -221,14 +218,14 @@ _MOST_SAMPLES: Final = 256
 
 
 class ProgramHistory:
-    """The newest moment of a program, the shown one, and stored moments to return to. `shown` is `newest`
-    unless the past is shown.
-    """
+    """The newest moment of a program, the shown one, and stored moments."""
 
     def __init__(self, recording: Recording, world: ProgramWorld) -> None:
         self.recording = recording
         self.newest = ProgramState(recording, world)
         self.shown = self.newest
+        self.first_step = 0
+        """First step that can still be shown."""
         self._spacing = _FIRST_SPACING
         self._kept: list[ProgressState] = [self.newest.checkpoint()]
         self._followed: tuple[int, int, int] = (-1, 0, 0)
@@ -237,13 +234,8 @@ class ProgramHistory:
 
     @property
     def in_past(self) -> bool:
-        """True if an earlier moment than the newest is shown."""
+        """True if an earlier moment is shown."""
         return self.shown is not self.newest
-
-    @property
-    def first_step(self) -> int:
-        """First step that can still be shown."""
-        return next((each.step for each in self._kept if each.step >= self.recording.first), self.newest.step)
 
     def go_on(self, until: int) -> None:
         """Advance the newest moment to the step `until`."""
@@ -253,9 +245,11 @@ class ProgramHistory:
             if newest.step == self._kept[-1].step + self._spacing:
                 self._keep()
         newest.go_on(until)  # a table may have been found meanwhile
+        kept = (each.step for each in self._kept if each.step >= self.recording.first)
+        self.first_step = next(kept, newest.step)
 
     def show(self, step: int) -> None:
-        """Show the moment after `step` steps, or the nearest known one."""
+        """Show the nearest known moment to `step`."""
         step = max(step, self.first_step)
         if step >= self.newest.step:
             self.shown = self.newest
@@ -265,7 +259,7 @@ class ProgramHistory:
         self.shown.go_on(step)
 
     def begin_of_episode(self, number: int) -> int:
-        """Return the step at which episode `number` (from 1) began. The newest step if it has not."""
+        """Return the first step of episode `number` (from 1), or the newest step."""
         wanted = number - 1
         first = next((each for each in self._kept[::-1] if each.episodes < wanted), self._kept[0])
         if first.step < self.recording.first:
@@ -278,7 +272,7 @@ class ProgramHistory:
         return self.newest.at(first).ends_until(until)[wanted - first.episodes - 1]
 
     def cell(self, pair: int) -> CellHistory | None:
-        """Return the history of the estimate of `pair` up to the shown moment, or None without a table."""
+        """Return the estimate's history up to the shown moment."""
         shown, recording = self.shown, self.recording
         cells = shown.world.cell_of_pair
         if shown.table is None or not 0 <= pair < len(cells):
@@ -296,7 +290,6 @@ class ProgramHistory:
         return CellHistory(pair, step[last_of_step], value[last_of_step])
 
     def _changes_of(self, cell: int, changes: ChangeColumns) -> IntArray:
-        """Return the places of the changes of `cell`, searching only new changes."""
         key, count = (cell, self.recording.first, self.recording.found_at), len(changes.cell)
         if self._followed != key:
             self._followed, self._places, self._looked_at = key, np.empty(0, np.int64), 0

@@ -26,7 +26,7 @@ from rl_tui.programs.watched.recording import Recording
 
 MOST_OUTPUT: Final = 2_000
 """Most lines of output."""
-GARBLED: Final = "what came from the program is garbled: something else wrote into rl-tui's pipe"
+GARBLED: Final = "data from the program is damaged: something else wrote into rl-tui's pipe"
 _COUNTED: Final = (0, 2, 5, 6, 7)
 """Integer columns of steps, other than states."""
 _STATES: Final = (1, 4)
@@ -34,18 +34,11 @@ _EPISODE: Final = 6
 _COUNTS: Final = ("number", "actions", "time_limit", "heard")
 _WHOLE: Final = ("first_action", "step", "line", "status")
 _TEXTS: Final = (
-    "id",
-    "name",
-    "form",
-    "dtype",
-    "text",
-    "type",
-    "file",
-    "traceback",
-    "method",
-    "stream",
-    "style",
+    *("id", "name", "form", "dtype", "text", "type", "file", "traceback", "method", "stream", "style"),
+    "stopped",
 )
+_LISTS_OF_NUMBERS: Final = ("states", "shape", "first_state")
+_LISTS_OF_TEXTS: Final = ("others", "other_forms", "wrappers", "state_names", "action_names")
 _MAY_BE_NULL: Final = ("line", "status", "stopped")
 _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
@@ -55,20 +48,15 @@ class ProgramEnvironment:
     """An environment of the program.
 
     Attributes:
-        number: Number of the environment.
-        id: Id of the environment.
         kwargs: Its arguments, or None if they are not plain data.
         parts: Sizes of an observation's parts, one for a plain number.
-        actions: Number of actions.
         time_limit: Longest episode in steps, 0 for none.
-        first_action: First action.
         first_state: First value of each part.
         wrappers: Class names of its wrappers.
         transitions: Its table if only the program has it, `[s][a]` a list of (probability, next state,
             reward, terminated).
-        start: Probability of each start state for that table, None if unknown.
-        state_names: Names of the first states, in a world without a known number of states.
-        action_names: Names of the actions there.
+        start: Probability of each start state for that table, if known.
+        state_names: Names of states, if their number is unknown.
     """
 
     number: int
@@ -93,7 +81,7 @@ class ProgramEnvironment:
 
 @dataclass(frozen=True, slots=True)
 class FoundTable:
-    """The table of a program: its path in the code, its form, and other candidates."""
+    """The table of a program, and other candidates."""
 
     name: str
     form: str
@@ -107,6 +95,8 @@ class FoundTable:
     file: str = ""
     line: int | None = None
     """Line that made it, if known."""
+    other: str = ""
+    """Path of another table, if both change in turn. The recorded one is their mean then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +112,7 @@ class ProgramError:
 
 @dataclass(frozen=True, slots=True)
 class ProgramAgent:
-    """An agent without a loop. `done_is_either` belongs to its shape."""
+    """An agent without a loop."""
 
     name: str
     style: str
@@ -152,7 +142,7 @@ class ProgramLog:
     agent: ProgramAgent | None = None
     """The agent, or None for a script with its own loop."""
     numbers: dict[str, float] = field(default_factory=dict)
-    """Numbers in the code by name."""
+    """Numbers in the code by name, another object after each change."""
     lines: dict[tuple[str, int], int] = field(default_factory=dict)
     """Number of changes by line (file, number), while traced."""
     called: dict[str, tuple[str, int]] = field(default_factory=dict)
@@ -178,9 +168,7 @@ class ProgramLog:
 
     @property
     def table_now(self) -> FoundTable | None:
-        """The table with its current shape, as a dict grows. `(rows, actions)` if there is a row for each
-        state.
-        """
+        """The table with its current shape, as a dict grows: `(rows, actions)`, if rows are states."""
         table, actions = self.table, self.recording.actions
         if table is None or not table.form.startswith(("dict", "data")) or not actions:
             return table
@@ -190,12 +178,11 @@ class ProgramLog:
         return replace(table, shape=(int(is_there.sum()),) if by_pair else (rows, actions))
 
     def frozen(self) -> ProgramLog:
-        """Return a snapshot without output for another thread."""
+        """Return a copy without output for another thread."""
         return replace(
             self,
             recording=self.recording.frozen(),
             environments=list(self.environments),
-            numbers=dict(self.numbers),
             lines=dict(self.lines),
             called=dict(self.called),
             notes=list(self.notes),
@@ -203,26 +190,28 @@ class ProgramLog:
         )
 
     def take(self, letter: bytes, payload: bytes) -> None:
-        """Process one frame. An invalid one ends the program's messages."""
+        """Process one frame. An invalid one ends the messages."""
         if self.is_garbled and letter != OWN_MESSAGE:
             return
         try:
-            self._take(letter, payload)
+            if letter == STEPS:
+                self._take_steps(np.frombuffer(payload, np.float64))
+            elif letter == TABLE:
+                content = np.frombuffer(payload, np.float64).copy()
+                if self.table is not None and self.table.other:
+                    self.recording.find_pair(self._found_at, content)
+                else:
+                    self.recording.find_table(self._found_at, self._found_actions, content)
+            elif letter in (MESSAGE, OWN_MESSAGE):
+                self._take_message(json.loads(payload))
+            else:
+                raise ValueError(f"unknown frame: {letter!r}")
         except _NONE_OF_OURS:
             self.is_garbled = self.ended = True
             self.error = self.error or ProgramError("Garbled", GARBLED)
 
-    def _take(self, letter: bytes, payload: bytes) -> None:
-        if letter == STEPS:
-            self._take_steps(np.frombuffer(payload, np.float64))
-        elif letter == TABLE:
-            content = np.frombuffer(payload, np.float64).copy()
-            self.recording.find_table(self._found_at, self._found_actions, content)
-        elif letter in (MESSAGE, OWN_MESSAGE):
-            self._take_message(json.loads(payload))
-        else:
-            raise ValueError(f"no frame of ours: {letter!r}")
-
+    _states: int = 0
+    """Most states of an environment."""
     _found_at: int = 0
     _found_actions: int = 0
     _unfinished: dict[str, OutputLine] = field(default_factory=dict)
@@ -232,12 +221,12 @@ class ProgramLog:
         until = 1 + int(numbers[0]) * STEP_WIDTH
         steps = numbers[1:until].reshape(-1, STEP_WIDTH)
         changes = numbers[until:].reshape(-1, CHANGE_WIDTH)
-        states = max((each.states for each in self.environments), default=0)
-        if not (_is_within(steps[:, _COUNTED], NO_LIMIT) and _is_within(steps[:, _STATES], states)):
-            raise ValueError("no steps of ours")
-        cells = 0 if self.recording.initial is None else len(self.recording.initial)
+        if not (_is_within(steps[:, _COUNTED], NO_LIMIT) and _is_within(steps[:, _STATES], self._states)):
+            raise ValueError("the steps are damaged")
+        recording = self.recording
+        cells = sum(len(each) for each in (recording.initial, recording.initial_pair) if each is not None)
         if not (_is_within(changes[:, 1], cells) and _is_within(changes[:, 0], NO_LIMIT)):
-            raise ValueError("no changes of ours")
+            raise ValueError("the changes are damaged")
         self.episodes = max(self.episodes, 1 + int(steps[:, _EPISODE].max(initial=-1)))
         self.recording.add(steps, changes)
         self.waiting_at = self.stands_at = None
@@ -247,7 +236,7 @@ class ProgramLog:
         match said["kind"]:
             case MessageKind.ENVIRONMENT:
                 if len(said["states"]) != len(said["first_state"]) or min(said["states"], default=0) < 1:
-                    raise ValueError("no observations of ours")
+                    raise ValueError("the observations are damaged")
                 self._take_environment(
                     ProgramEnvironment(
                         said["number"],
@@ -267,7 +256,7 @@ class ProgramLog:
                 self.recording.has_own_ends = True
             case MessageKind.TABLE:
                 if len(said["others"]) != len(said["other_forms"]):
-                    raise ValueError("no tables of ours")
+                    raise ValueError("the tables are damaged")
                 self.table = FoundTable(
                     said["name"],
                     said["form"],
@@ -281,12 +270,17 @@ class ProgramLog:
                 self._found_at, self._found_actions = said["step"], said["actions"]
                 if said["shared"]:
                     self.shared_at = said["step"]
+            case MessageKind.PAIR:
+                if self.table is None:
+                    raise ValueError("the tables are damaged")
+                self.table = replace(self.table, other=said["name"])
+                self._found_at = said["step"]
             case MessageKind.REBOUND:
                 self.recording.rebound.append(said["step"])
             case MessageKind.SHARED:
                 self.shared_at = said["step"] if self.shared_at is None else self.shared_at
             case MessageKind.NUMBERS:
-                self.numbers.update(said["numbers"])
+                self.numbers = {**self.numbers, **said["numbers"]}
             case MessageKind.CALLED:
                 if self.agent is None:  # otherwise the loop is ours
                     self.called[said["method"]] = (said["file"], said["line"])
@@ -329,15 +323,16 @@ class ProgramLog:
         known = self.environments[environment.number : environment.number + 1]
         if not known:
             self.environments.append(environment)
+            self._states = max(self._states, environment.states)
         elif (known[0].parts, known[0].actions) == (environment.parts, environment.actions):
             self.environments[environment.number] = environment
         else:
-            raise ValueError("no environment of ours")
+            raise ValueError("the environment is damaged")
 
     def _take_names(self, number: int, states: list[str], actions: list[str]) -> None:
         known = self.environments[number]
         if len(states) > known.states or len(actions) != known.actions:
-            raise ValueError("no names of ours")
+            raise ValueError("the names are damaged")
         self.environments[number] = replace(known, state_names=tuple(states), action_names=tuple(actions))
 
     def _take_output(self, said: Mapping[str, Any]) -> None:
@@ -352,7 +347,6 @@ class ProgramLog:
         self.output.append(line)
 
     def _take_end(self, status: int | None, text: str) -> None:
-        """Record the end of the process, which is an error if the program did not report it."""
         if not (self.ended or self.error or self.refused):
             if text or status is None:
                 self.error = ProgramError("Ended", text)
@@ -365,14 +359,12 @@ class ProgramLog:
         self.ended = True
 
     def _why_not_started(self) -> str:
-        """Return the reason why our own code in the process failed, from its last output."""
         written = [line.text for line in self.output if line.stream == "err" and line.text.strip()]
         why = f": {written[-1].strip()}" if written else ""
         return f"rl-tui could not start its own part of the process; this is not a bug of the script{why}"
 
 
 def _death_in_words(status: int) -> str:
-    """Describe the end of a process with a `status` other than 0, as in subprocess."""
     if status > 0:
         return f"the program ended at once, by os._exit({status})"
     try:
@@ -380,11 +372,11 @@ def _death_in_words(status: int) -> str:
     except ValueError:
         name = str(-status)
     reason = "; the system sends it, for example, when memory runs out" if name == "SIGKILL" else ""
-    return f"the program was ended by the signal {name}{reason}"
+    return f"the program was stopped by the signal {name}{reason}"
 
 
 def _check_types(said: Mapping[str, Any]) -> None:
-    """Raise TypeError if a message has wrong types, because a program may write anything."""
+    """Raise TypeError for wrong types, because a program may write anything."""
     for name, value in said.items():
         is_unknown_step = name == "step" and said["kind"] == MessageKind.OUTPUT
         if value is None and (name in _MAY_BE_NULL or is_unknown_step):
@@ -393,18 +385,18 @@ def _check_types(said: Mapping[str, Any]) -> None:
             fits = _is_whole(value) and value >= 0
         elif name in _WHOLE:
             fits = _is_whole(value)
-        elif name in (*_TEXTS, "stopped"):
+        elif name in _TEXTS:
             fits = isinstance(value, str)
-        elif name in ("states", "shape", "first_state"):
+        elif name in _LISTS_OF_NUMBERS:
             fits = isinstance(value, list) and all(_is_whole(each) for each in value)
-        elif name in ("others", "wrappers", "state_names", "action_names"):
+        elif name in _LISTS_OF_TEXTS:
             fits = isinstance(value, list) and all(isinstance(each, str) for each in value)
         elif name == "numbers":
             fits = isinstance(value, dict) and all(isinstance(each, int | float) for each in value.values())
         else:
             continue
         if not fits:
-            raise TypeError(f"no message of ours: {name}")
+            raise TypeError(f"unknown message: {name}")
 
 
 def _is_whole(value: object) -> bool:
@@ -412,5 +404,4 @@ def _is_whole(value: object) -> bool:
 
 
 def _is_within(numbers: npt.NDArray[np.float64], end: int) -> bool:
-    """Return True if all `numbers` are in [0, end). NaN is not."""
     return bool(((numbers >= 0) & (numbers < end)).all())

@@ -1,4 +1,4 @@
-"""The process of a watched program, seen from the watching side."""
+"""The process of a watched program, from outside."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+from rl_tui.common.errors import UserError
 from rl_tui.common.findings import printable
 from rl_tui.programs.watched.messages import HEADER, LARGEST_FRAME, NO_LIMIT, OWN_MESSAGE, MessageKind
+from rl_tui.programs.watched.notebook import place_in_words
 from rl_tui.programs.watched.program_log import GARBLED, ProgramError, ProgramLog
 
 # Output, cut into lines
@@ -47,8 +49,9 @@ class WrittenLine(NamedTuple):
 
 
 class WrittenLines:
-    """The lines of one stream, assembled from pieces of any size in bounded memory. A carriage return
-    restarts a line, as in progress bars. An unfinished line is reported at once, and again as it grows.
+    """The lines of a stream, made of pieces of any size in bounded memory.
+
+    A carriage return restarts a line, as in progress bars. An unfinished line is reported again as it grows.
     """
 
     def __init__(self) -> None:
@@ -60,7 +63,7 @@ class WrittenLines:
         self._last: deque[bytes] = deque(maxlen=LAST_KEPT)
 
     def take(self, piece: bytes, now: float) -> Iterator[WrittenLine]:
-        """Yield the lines known after `piece`, which arrived at `now` (seconds on any clock)."""
+        """Yield the lines after `piece`, which arrived at `now` (seconds on any clock)."""
         if int(now) != self._second:
             yield from self._catch_up()
             self._second, self._room = int(now), MOST_A_SECOND
@@ -75,13 +78,12 @@ class WrittenLines:
             yield WrittenLine(text, replaces)
 
     def end(self) -> Iterator[WrittenLine]:
-        """Yield the remaining lines at the end."""
+        """Yield the remaining lines."""
         yield from self._catch_up()
         if self._rest.strip() and not self._is_begun:
             yield self._written(self._rest)
 
     def _without_flood(self, text: bytes) -> bytes:
-        """Count the complete lines in `text`, keep the last ones, and return the unfinished one."""
         *flood, rest = text.rsplit(b"\n", LAST_KEPT + 1)
         if flood:
             self._left_out += text.count(b"\n")
@@ -90,7 +92,6 @@ class WrittenLines:
         return rest
 
     def _catch_up(self) -> Iterator[WrittenLine]:
-        """Yield the number of skipped lines, and the last ones of them."""
         left_out = self._left_out - len(self._last)
         if left_out > 0:
             yield WrittenLine(f"… {left_out:,} lines left out", False)
@@ -105,14 +106,12 @@ class WrittenLines:
 
 
 def _shortened(line: bytes) -> bytes:
-    """Return the part of an unfinished line that its text needs, with a sign that it was longer."""
     if len(line) > _LONGEST_RAW:
         line = line[line.rfind(b"\r", 0, len(line) - 1) + 1 :]
     return line[: _LONGEST_RAW + 1]
 
 
 def _text_of(line: bytes) -> str:
-    """Return what a terminal would show of `line`, without control characters."""
     line = line.rstrip(b"\r")
     shown = line[line.rfind(b"\r") + 1 :][: _LONGEST_RAW + 1].decode("utf-8", "replace")
     text = printable(_ESCAPES.sub("", shown).expandtabs(8)).rstrip()
@@ -126,7 +125,7 @@ _CHUNK: Final = 1 << 20
 _LOOK_AGAIN: Final = 0.5  # seconds between checks that the process lives
 _BEHIND_OUTPUT: Final = 10  # milliseconds in which an earlier step arrives after output
 _FAREWELL: Final = 1.0  # seconds that a process may take to end after its pipe is closed
-_CLOSED_ITS_PIPE: Final = "the program closed the pipe by which it was watched, and was ended"
+_CLOSED_ITS_PIPE: Final = "the program closed the pipe to rl-tui, and was stopped"
 _ENVIRONMENT: Final = {"PYTHONHASHSEED": "0", "MPLBACKEND": "Agg", "SDL_VIDEODRIVER": "dummy"}
 # ascii, because the command line uses the encoding of the system
 _SCRIPT: Final = """\
@@ -142,18 +141,15 @@ class ProgramRequest:
     """A program to run: a script, or an agent without a loop.
 
     Attributes:
-        path: File of the program.
-        arguments: Arguments of a script.
         seed: Seed of all generators.
         steps: Limit of steps, if any.
         table: Name of the table, if given by the user.
         agent: Class or function of an agent ("" for the only one), or None for a script.
         scenario: Id or path, for an agent.
         scenario_seed: Seed of the world, default `seed`.
-        episodes: Episodes of an agent.
         hyperparameters: Numbers from the user by name.
         defaults: Numbers for parameters without a default.
-        memory: Memory limit in bytes, if any.
+        memory: Limit in bytes, if any.
     """
 
     path: Path
@@ -165,22 +161,25 @@ class ProgramRequest:
     scenario: str = ""
     scenario_seed: int | None = None
     episodes: int | None = None
-    hyperparameters: Mapping[str, float] | None = None
-    defaults: Mapping[str, float] | None = None
+    hyperparameters: Mapping[str, float] = field(default_factory=dict)
+    defaults: Mapping[str, float] = field(default_factory=dict)
     memory: int | None = None
 
 
-class ProgramProcess:
-    """The process of `request` in its own session, until `end`. It may take `allowed` steps at first. It
-    ends with this process, together with everything it started in its session.
+def refuse_without_posix() -> None:
+    """Raise UserError on Windows, which cannot stop a program."""
+    if sys.platform == "win32":
+        raise UserError("your own programs run on Linux and macOS only; on Windows, use WSL")
 
-    Raises:
-        OSError: The process cannot be started.
+
+class ProgramProcess:
+    """The process of `request` in its own session, until `end`. Raises OSError if it cannot be started.
+
+    It may take `allowed` steps at first. It ends with this process, together with everything it started.
     """
 
     def __init__(self, request: ProgramRequest, allowed: int = NO_LIMIT) -> None:
-        if not hasattr(select, "poll"):
-            raise OSError("programs can be watched on Linux and macOS only")
+        refuse_without_posix()
         if not sys.executable:
             raise FileNotFoundError("the Python version is not known")
         with ExitStack() as to_close, ExitStack() as of_the_child:
@@ -206,34 +205,37 @@ class ProgramProcess:
         self._listen(pipes[1][0], pipes[2][0])
 
     def allow(self, steps: int, what: Mapping[str, Any] | None = None) -> None:
-        """Allow `steps` in all, 0 to stop at the next one. It reads `what`, if given, before its next
-        step.
-        """
+        """Allow `steps` in all, 0 to stop at the next one. It reads `what` before that."""
         if not self.closed:
             self._allowed[0] = steps
             self.ask(what or {})
 
     def ask(self, what: Mapping[str, Any]) -> None:
-        """Send a request, which it reads when it waits. This never blocks."""
+        """Send a request without blocking."""
         if not self.closed:
             self.asked += 1
             self._unsent += json.dumps({"number": self.asked, **what}).encode() + b"\n"
             self._send()
 
-    def frames(self, seconds: float | None = 0.0) -> Iterator[tuple[bytes, bytes]]:
-        """Return new frames, waiting up to `seconds` (None for no limit). Output of the program is
-        included, after the steps taken before it. The last frame is a message about its end.
+    def frames(self, seconds: float | None = 0.0) -> list[tuple[bytes, bytes]]:
+        """Return new frames, waiting up to `seconds` (None for no limit).
+
+        Output comes after the steps taken before it, and a message about the end comes last.
         """
         if self.closed:
-            return iter(())
-        self._send()
+            return []
+        if self._unsent:
+            self._send()
         self._wait(seconds)
-        over = self._read_frames()
-        found = list(self._whole_frames())
-        found += self._read_output()
+        over = self._process.poll() is not None  # checked first, because it may write and then end
+        with suppress(BlockingIOError):
+            chunk = os.read(self._reading, _CHUNK)
+            self._bytes += chunk
+            over = not chunk
+        found = self._whole_frames() + self._read_output()
         if over or self._is_garbled:
             found += self._farewell()
-        return iter(found)
+        return found
 
     def end(self) -> None:
         """Kill it and everything that it started."""
@@ -243,24 +245,22 @@ class ProgramProcess:
         self.closed = True
 
     def _listen(self, stdout: int, stderr: int) -> None:
-        """Prepare nonblocking pipes."""
-        os.set_blocking(self._asking, False)
         self._unsent = b""
         self.asked = 0
         """Number of requests so far."""
         self._bytes = bytearray()
+        self._is_garbled = False  # the next frame is longer than any of ours
         self._streams = {stdout: ("out", WrittenLines()), stderr: ("err", WrittenLines())}
-        self._poll, self._poll_steps = select.poll(), select.poll()
-        self._poll_steps.register(self._reading, select.POLLIN)
-        for descriptor in (self._reading, *self._streams):
-            os.set_blocking(descriptor, False)
-            self._poll.register(descriptor, select.POLLIN)
+        if sys.platform != "win32":
+            for descriptor in (self._asking, self._reading, *self._streams):
+                os.set_blocking(descriptor, False)
+        self._poll_steps, self._poll = _poll(self._reading), _poll(self._reading, *self._streams)
         self.closed = False
         """True once nothing more will arrive."""
 
     @property
     def exit_status(self) -> int | None:
-        """Exit status of the process, or None while it runs."""
+        """Exit status, if it has ended."""
         return self._process.poll()
 
     def _send(self) -> None:
@@ -269,9 +269,7 @@ class ProgramProcess:
                 self._unsent = self._unsent[os.write(self._asking, self._unsent) :]
 
     def _wait(self, seconds: float | None) -> None:
-        """Wait until there is something to read, or the process has ended. Its child may keep the pipe
-        open, so the process is checked regularly.
-        """
+        """Wait for output or the end. Look regularly, because a child may keep the pipe open."""
         until = None if seconds is None else time.monotonic() + seconds
         while True:
             left = _LOOK_AGAIN if until is None else min(_LOOK_AGAIN, until - time.monotonic())
@@ -283,34 +281,20 @@ class ProgramProcess:
             if until is not None and time.monotonic() >= until:
                 return
 
-    def _read_frames(self) -> bool:
-        """Read new bytes. Return True if nothing more can arrive."""
-        is_over = self._process.poll() is not None  # checked first, because it may write and then end
-        try:
-            chunk = os.read(self._reading, _CHUNK)
-        except BlockingIOError:
-            return is_over
-        self._bytes += chunk
-        return not chunk
-
-    def _whole_frames(self) -> Iterator[tuple[bytes, bytes]]:
-        start, end = 0, len(self._bytes)
+    def _whole_frames(self) -> list[tuple[bytes, bytes]]:
+        found, start, end = [], 0, len(self._bytes)
         while end - start >= HEADER.size and not self._is_garbled:
             letter, length = HEADER.unpack_from(self._bytes, start)
-            next_start = start + HEADER.size + length
+            content, next_start = start + HEADER.size, start + HEADER.size + length
+            self._is_garbled = length > LARGEST_FRAME
             if next_start > end:
                 break
-            yield letter, bytes(memoryview(self._bytes)[start + HEADER.size : next_start])
+            found.append((letter, bytes(memoryview(self._bytes)[content:next_start])))
             start = next_start
         del self._bytes[:start]
-
-    @property
-    def _is_garbled(self) -> bool:
-        """True if the next frame is longer than any of ours."""
-        return len(self._bytes) >= HEADER.size and HEADER.unpack_from(self._bytes)[1] > LARGEST_FRAME
+        return found
 
     def _read_output(self) -> list[tuple[bytes, bytes]]:
-        """Return new output of both streams as messages."""
         found, now = [], time.monotonic()
         for descriptor, (stream, lines) in list(self._streams.items()):
             try:
@@ -324,7 +308,6 @@ class ProgramProcess:
         return found
 
     def _farewell(self) -> list[tuple[bytes, bytes]]:
-        """Wait for its end, and return the remaining frames with the exit status."""
         found, until = [], time.monotonic() + _FAREWELL
         self._poll.unregister(self._reading)
         while not self._is_garbled and self._process.poll() is None and time.monotonic() < until:
@@ -343,52 +326,45 @@ class ProgramProcess:
 
     def _kill(self) -> None:
         with suppress(ProcessLookupError, PermissionError):
-            if not self.closed:  # later its number may belong to another process
+            if sys.platform != "win32" and not self.closed:  # later its number may belong to another process
                 os.killpg(self._process.pid, signal.SIGKILL)
 
 
 def _script(request: ProgramRequest, descriptors: Mapping[str, int]) -> str:
-    """Return the code for Python, without imports from the current folder."""
-    said = {
-        "path": str(request.path),
-        "arguments": list(request.arguments),
-        "seed": request.seed,
-        "steps": request.steps,
-        "table": request.table,
-        "agent": request.agent,
-        "scenario": request.scenario,
-        "scenario_seed": request.seed if request.scenario_seed is None else request.scenario_seed,
-        "episodes": request.episodes,
-        "hyperparameters": dict(request.hyperparameters or {}),
-        "defaults": dict(request.defaults or {}),
-        "memory": request.memory,
-        **descriptors,
-    }
+    said = {**asdict(request), "path": str(request.path), **descriptors}
+    if request.scenario_seed is None:
+        said["scenario_seed"] = request.seed
     return _SCRIPT.format(path=[each for each in sys.path if each], said=said)
 
 
 def _pipe(reading: ExitStack, writing: ExitStack) -> tuple[int, int]:
-    """Return the ends of a pipe, each closed with its stack, with the largest buffer."""
     ends = os.pipe()
     for end, closing in zip(ends, (reading, writing), strict=True):
         closing.callback(os.close, end)
-    with suppress(ImportError, AttributeError, OSError):
-        import fcntl  # not on Windows
+    if sys.platform == "linux":
+        import fcntl
 
-        # on Linux; a small buffer would block a program between two frames
-        fcntl.fcntl(ends[1], fcntl.F_SETPIPE_SZ, _CHUNK)
+        with suppress(OSError):  # a small buffer would block a program between two frames
+            fcntl.fcntl(ends[1], fcntl.F_SETPIPE_SZ, _CHUNK)
     return ends
 
 
+def _poll(*descriptors: int) -> Any:
+    if sys.platform == "win32":
+        raise NotImplementedError
+    poll = select.poll()
+    for descriptor in descriptors:
+        poll.register(descriptor, select.POLLIN)
+    return poll
+
+
 def _memory_file(closing: ExitStack) -> int:
-    """Return a descriptor of a memory page shared by two processes. On Linux neither can shrink it, which
-    would crash the other.
-    """
-    if not hasattr(os, "memfd_create"):
+    """Return a shared memory page. On Linux neither process can shrink it, which would crash the other."""
+    if sys.platform != "linux" or not hasattr(os, "memfd_create"):  # Python may be built for an old glibc
         descriptor = closing.enter_context(tempfile.TemporaryFile()).fileno()  # noqa: SIM115
         os.ftruncate(descriptor, mmap.PAGESIZE)
         return descriptor
-    import fcntl  # not on Windows
+    import fcntl
 
     descriptor = os.memfd_create("rl-tui", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     closing.callback(os.close, descriptor)
@@ -425,19 +401,13 @@ def watched_to_the_end(
     seconds: float | None = None,
     log: ProgramLog | None = None,
 ) -> ProgramLog:
-    """Run the program of `request` to its end.
+    """Run a program to its end, and return everything it reported. Raises OSError if it cannot be started.
 
     Args:
         request: Program to run.
         on_progress: Called about ten times a second, and may raise to stop it.
         seconds: Time limit, if any.
         log: Receives its messages, default a new one.
-
-    Returns:
-        Everything it reported.
-
-    Raises:
-        OSError: The process cannot be started.
     """
     log, process = log or ProgramLog(), ProgramProcess(request)
     limit = math.inf if seconds is None else time.monotonic() + seconds
@@ -453,9 +423,11 @@ def watched_to_the_end(
         process.end()
     if not (log.ended or _has_taken(log, request.steps)):
         file, line = log.stands_at or ("", None)
-        log.error = ProgramError(TIME_LIMIT, f"the program was ended after {seconds:g} seconds", file, line)
+        log.error = ProgramError(TIME_LIMIT, f"the program was stopped after {seconds:g} seconds", file, line)
     elif not log.ended and log.stands_at is not None:
-        log.notes.append(f"after the last step the program stayed in line {log.stands_at[1]}, and was ended")
+        log.notes.append(
+            f"after its last step the program did not leave {place_in_words(*log.stands_at)}, and was stopped"
+        )
     return log
 
 

@@ -1,4 +1,4 @@
-"""The world of a watched program: its drawing, and its transition table if known."""
+"""The drawing and the transition table of a watched program."""
 
 from __future__ import annotations
 
@@ -36,10 +36,11 @@ _FURTHER: Final = "further states"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProgramWorld:
-    """The world of a program's environment, with maps between its numbers and ours. The program's
-    observations count from 0, and its table has a cell, observation · A + action, for each pair. Our world
-    may have several states for one observation, such as Blackjack's natural 21, which has another reward.
-    P is the number of our pairs.
+    """The world of a program's environment, with maps between its numbers and ours.
+
+    The program's table has a cell, observation · A + action, for each pair. Our world may have several states
+    for one observation, such as Blackjack's natural 21, which has another reward. P is the number of our
+    pairs.
     """
 
     scenario: Scenario
@@ -58,7 +59,7 @@ class ProgramWorld:
     """Blackjack's final states, which are not observations, else empty."""
 
     def is_same(self, other: ProgramWorld) -> bool:
-        """Return True if `other` was made from the same environment in the same way."""
+        """Return True for the same environment and the same way."""
         mine, theirs = self.scenario, other.scenario
         is_made_alike = (mine.id, mine.section) == (theirs.id, theirs.section)
         spaces = self.world.space, other.world.space
@@ -66,40 +67,37 @@ class ProgramWorld:
         return is_made_alike and sizes[0] == sizes[1] and not isinstance(mine.section, _Unknown)
 
     def q_of(self, table: FloatArray) -> FloatArray:
-        """Return the estimates of our pairs, `[P]`, from the program's `table`, `[cells]`, 0 for missing
-        entries.
-        """
+        """Return our estimates, `[P]`, from the program's `table`, `[cells]`, 0 for missing ones."""
         return np.nan_to_num(table)[self.cell_of_pair]
 
     def state(self, observation: int, episode_step: int) -> int:
-        """Return our state of `observation` after `episode_step` steps of an episode."""
+        """Return our state of `observation` after `episode_step` steps."""
         known = self.state_of if episode_step else self.first_state_of
         return max(int(known[observation]), 0)
 
     def landing(self, observation: int, reward: float, *, terminated: bool) -> int:
-        """Return our state after a step with this observation and reward."""
+        """Return our state after a step."""
         if terminated and self.ends:
             return self.ends[WON if reward > 0.0 else DREW if reward == 0.0 else LOST]
         return max(int(self.state_of[observation]), 0)
 
     def pair(self, observation: int, action: int, episode_step: int) -> int:
-        """Return our pair of an action after `episode_step` steps of an episode, or −1."""
-        found = self.world.space.pair_of(self.state(observation, episode_step), action)
-        return _UNKNOWN if found is None else found
+        """Return our pair after `episode_step` steps, or −1."""
+        state, space = self.state(observation, episode_step), self.world.space
+        first, last = space.first_pair[state : state + 2].tolist()
+        found = np.flatnonzero(space.pair_action[first:last] == action)
+        return first + int(found[0]) if len(found) else _UNKNOWN
 
 
 def world_of_program(environment: ProgramEnvironment) -> ProgramWorld:
-    """Return the world of `environment`: by its id and arguments, else by the program's table, else with
-    states and actions only, without exact results.
+    """Return the world by id and arguments, else by the program's table, else without exact results.
 
-    Raises:
-        UserError: It is too large.
+    Raises UserError if it is too large.
     """
     cells = environment.states * environment.actions
     if cells > MOST_PAIRS:
         raise UserError(
-            f"{_name(environment)} has {cells:,} pairs of a state and an action; at most {MOST_PAIRS:,} can "
-            f"be watched"
+            f"{_name(environment)} has {cells:,} state–action pairs; at most {MOST_PAIRS:,} can be watched"
         )
     for build in (_of_ours, _of_registered, _of_transitions):
         with_table = _attempt(build, environment)
@@ -109,17 +107,15 @@ def world_of_program(environment: ProgramEnvironment) -> ProgramWorld:
 
 
 class _Unknown(WorldSection):
-    """Replaces the file of a world that only the program knows."""
-
     def build(self, generator: np.random.Generator) -> World:
-        """Refuse to build the world."""
-        raise WorldRefusedError(("id",), "a world that only the program knows", "one that can be made here")
+        raise WorldRefusedError(
+            ("id",), "a world that only the program knows", "a world that rl-tui can create"
+        )
 
 
 def _attempt(
     build: Callable[[ProgramEnvironment], ProgramWorld | None], environment: ProgramEnvironment
 ) -> ProgramWorld | None:
-    """Return the result of `build`, or None if it fails, because a program may send anything."""
     try:
         return build(environment)
     except Exception:  # an environment may raise anything here
@@ -127,7 +123,6 @@ def _attempt(
 
 
 def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world of one of our scenarios, by its environment id or file."""
     if not environment.id.startswith(OWN_IDS):
         return None
     kwargs = environment.kwargs or {}
@@ -137,7 +132,6 @@ def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
 
 
 def _of_registered(environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world of an environment registered here too, by its table or simulated."""
     if environment.kwargs is None:
         return None
     kwargs = {name: value for name, value in environment.kwargs.items() if name not in _NOT_OF_THE_WORLD}
@@ -152,7 +146,6 @@ def _of_registered(environment: ProgramEnvironment) -> ProgramWorld | None:
 
 
 def _of_transitions(environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world from the program's table and start states."""
     from rl_tui.worlds.gym.table_layout import layout_of
 
     if environment.transitions is None or environment.start is None:
@@ -177,7 +170,6 @@ def _transitions(table: Any) -> Iterator[Transition]:
 
 
 def _fitting(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return `world` with the program's time limit, or None if its sizes differ."""
     limit = min(max(environment.time_limit, 0), LONGEST_TIME_LIMIT)
     if world.space.time_limit != limit:
         world = replace(world, space=replace(world.space, time_limit=limit))
@@ -189,7 +181,7 @@ def _fitting(scenario: Scenario, world: World, environment: ProgramEnvironment) 
 
 
 def _program_world(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld:
-    """Return a world whose states are the observations. The last state may have all further ones."""
+    """Return a world of observations. The last state may have all further ones."""
     space, numbers = world.space, np.minimum(np.arange(environment.states), world.space.states - 1)
     cell_of_pair: IntArray = space.pair_state * environment.actions + space.pair_action
     return ProgramWorld(
@@ -198,7 +190,6 @@ def _program_world(scenario: Scenario, world: World, environment: ProgramEnviron
 
 
 def _blackjack(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world of Blackjack with its computed table, in which a natural is a separate state."""
     space = world.space
     if not isinstance(space, TabularMDP) or len(environment.parts) != 3:
         return None
@@ -227,14 +218,12 @@ def _blackjack(scenario: Scenario, world: World, environment: ProgramEnvironment
 
 
 def _inverse(cell_of_pair: IntArray, environment: ProgramEnvironment) -> IntArray:
-    """Return the pair of each cell, `[cells]`, the first of several."""
     pair_of_cell = np.full(environment.states * environment.actions, _UNKNOWN)
     pair_of_cell[cell_of_pair[::-1]] = np.arange(len(cell_of_pair))[::-1]
     return pair_of_cell
 
 
 def _bare_world(environment: ProgramEnvironment) -> World:
-    """Return a world with states and actions only."""
     from rl_tui.worlds.gym.stepped_layout import product_grid
 
     space: FiniteSpace = all_pairs(
@@ -260,11 +249,10 @@ def _state_names(environment: ProgramEnvironment) -> tuple[str, ...]:
 
 
 def _distinct(names: Sequence[str], count: int) -> Iterator[str]:
-    """Yield `count` distinct names of states, short ones from `names` and numbers for the others."""
     seen: set[str] = set()
     for number in range(count):
         known = number < len(names)
-        name = (one_line(names[number], LONGEST_NAME) if known else "") or f"state {number}"
+        name = (one_line(names[number], LONGEST_NAME) if known else "") or f"#{number}"
         while name in seen:
             name += "′"
         seen.add(name)
@@ -278,7 +266,6 @@ def _action_names(environment: ProgramEnvironment) -> tuple[str, ...]:
 
 
 def _scenario(environment: ProgramEnvironment, section: WorldSection) -> Scenario:
-    """Return a scenario in memory without a file."""
     name = _name(environment)
     return Scenario(
         id=name,

@@ -1,4 +1,4 @@
-"""The recording of a watched program: its steps and table changes, in bounded memory."""
+"""The steps and table changes of a program, in bounded memory."""
 
 from __future__ import annotations
 
@@ -17,19 +17,17 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class Columns:
-    """N rows in columns of the types `dtypes`. Results of `views` never change. Up to `room` rows nothing
-    is moved, and unused room takes no memory.
+    """N rows in columns. Results of `views` never change.
+
+    Up to `room` rows nothing is moved, and unused room takes no memory.
     """
 
     def __init__(self, dtypes: Sequence[npt.DTypeLike], room: int = 0) -> None:
         self._rooms = [np.empty(room, dtype) for dtype in dtypes]
         self._length = 0
 
-    def __len__(self) -> int:
-        return self._length
-
     def add(self, parts: Sequence[npt.NDArray[Any]]) -> None:
-        """Append `parts`, an array of equal length for each column."""
+        """Append an array of equal length for each column."""
         end = self._length + len(parts[0])
         if end > len(self._rooms[0]):
             self._move(0, 2 * end)
@@ -41,22 +39,11 @@ class Columns:
         """Return the columns so far."""
         return [column[: self._length] for column in self._rooms]
 
-    def frozen(self) -> Columns:
-        """Return a snapshot for another thread."""
-        frozen = Columns(())
-        frozen._rooms, frozen._length = self.views(), self._length
-        return frozen
-
     def forget(self, first: int) -> None:
         """Drop the `first` rows."""
         self._move(first, len(self._rooms[0]))
 
-    def clear(self) -> None:
-        """Drop all rows."""
-        self.forget(self._length)
-
     def _move(self, first: int, room: int) -> None:
-        """Move the rows from `first` on to new memory of `room` rows."""
         kept = [column[first : self._length] for column in self._rooms]
         self._rooms = [np.empty(room, column.dtype) for column in kept]
         self._length -= first
@@ -80,7 +67,7 @@ Doubles = npt.NDArray[np.float64]
 
 
 class StepColumns(NamedTuple):
-    """N steps as columns, `[N]` each, oldest first."""
+    """N steps, `[N]` each, oldest first."""
 
     environment: IntArray
     state: IntArray
@@ -96,7 +83,7 @@ class StepColumns(NamedTuple):
 
 
 class ChangeColumns(NamedTuple):
-    """M changes of the table as columns, `[M]` each, oldest first."""
+    """M changes of the table, `[M]` each, oldest first."""
 
     step: IntArray
     """Step of the change, from 0 over the program."""
@@ -108,15 +95,20 @@ class ChangeColumns(NamedTuple):
 
 
 class Recording:
-    """The steps and changes of a program. With more than `most` steps, or four times as many changes, the
-    older half is dropped, and `initial` becomes the table at that time.
+    """The steps and changes of a program.
+
+    With more than `most` steps, or four times as many changes, the older half is dropped, and `initial`
+    becomes the table at that time. If two tables change in turn, their mean is the table, and both are
+    recorded, too.
 
     Attributes:
         first: Number of the first stored step.
-        actions: Number of actions, A.
         found_at: Step at which the table was found.
-        initial: The table at `found_at`, `[S·A]`, NaN for missing entries, or None.
-        has_own_ends: True if a terminal step may be stopped by a limit of the program's own.
+        initial: The table then, `[S·A]`, NaN for missing entries, or None.
+        paired_at: Step from which both tables are recorded.
+        initial_pair: Both tables then, `[2·S·A]`, or None for a single one.
+        changes_of_pair: Changes of both tables. Cells of the second count from S·A.
+        has_own_ends: True if a limit of the program's own may stop a terminal step.
     """
 
     def __init__(self, most: int = MOST_STEPS) -> None:
@@ -126,54 +118,69 @@ class Recording:
         self.actions = 0
         self.found_at = 0
         self.initial: FloatArray | None = None
+        self.paired_at = 0
+        self.initial_pair: FloatArray | None = None
         self.has_own_ends = False
         self.rebound: list[int] = []
         """Steps after which another object was the table."""
         self._most, self._most_changes = most, most * _CHANGES_OF_A_STEP
         room = most + _ROOM_FOR_A_BATCH
         self._steps, self._changes = Columns(_STEP_TYPES, room), Columns(_CHANGE_TYPES, room)
+        self._of_pair = Columns(_CHANGE_TYPES)
         self._latest = np.empty(0)
         self._keyframes: list[tuple[int, FloatArray]] = []
+        self._view()
+
+    def _view(self) -> None:
+        self.steps = StepColumns._make(self._steps.views())
+        self.changes = ChangeColumns._make(self._changes.views())
+        self.changes_of_pair = ChangeColumns._make(self._of_pair.views())
 
     def find_table(self, step: int, actions: int, content: FloatArray) -> None:
-        """Begin with the table `content`, `[S·A]`, as it was before `step`."""
+        """Begin with the table `content`, `[S·A]`, as before `step`."""
         self.found_at, self.actions, self.initial = step, actions, content
-        self._latest = content.copy()
-        self._changes.clear()
+        self._latest, self.initial_pair = content.copy(), None
+        self._changes.forget(len(self.changes.step))
         self._keyframes.clear()
+        self._view()
+
+    def find_pair(self, step: int, content: FloatArray) -> None:
+        """Begin with two tables, `[2·S·A]`, at `step`."""
+        if len(content) != 2 * len(self._latest):
+            raise ValueError("the tables are damaged")
+        self.paired_at, self.initial_pair = step, content
+        self._of_pair.forget(len(self.changes_of_pair.step))
+        self._view()
 
     def add(self, steps: Doubles, changes: Doubles) -> None:
         """Add steps, `[n, 8]`, and changes, `[m, 4]`, as received."""
         if len(steps):
-            self._steps.add(_columns(steps.reshape(-1, STEP_WIDTH)))
+            environment, state, action, reward, next_state, flags, *rest = steps.reshape(-1, STEP_WIDTH).T
+            said = flags.astype(np.int64)
+            ends = (said & StepFlag.TERMINATED) != 0, (said & StepFlag.TRUNCATED) != 0
+            self._steps.add((environment, state, action, reward, next_state, *ends, *rest))
             self.count += len(steps)
+        if self.initial_pair is not None and len(changes):
+            changes = self._without_pair(changes.reshape(-1, CHANGE_WIDTH))
         if len(changes):
             step, cell, before, after = changes.reshape(-1, CHANGE_WIDTH).T
             self._changes.add((step, cell, before, after))
+            self._view()
             self._keep_latest(cell.astype(np.int64), after)
-        if len(self._steps) > self._most or len(self._changes) > self._most_changes:
+        else:
+            self._view()
+        if len(self.steps.state) > self._most or len(self.changes.step) > self._most_changes:
             self._forget()
-
-    @property
-    def steps(self) -> StepColumns:
-        """All stored steps."""
-        return StepColumns(*self._steps.views())
-
-    @property
-    def changes(self) -> ChangeColumns:
-        """All changes of stored steps."""
-        return ChangeColumns(*self._changes.views())
 
     def table_at(self, step: int) -> FloatArray:
         """Return the table after `step` steps, `[S·A]`, NaN for missing entries.
 
-        Raises:
-            ValueError: No table was found, or the step is no longer stored.
+        Raises ValueError without a table, or for a forgotten step.
         """
         if self.initial is None:
             raise ValueError("no table was found")
         if step < self.first:
-            raise ValueError(f"step {step} is not kept any more")
+            raise ValueError(f"step {step} is no longer kept")
         changes = self.changes
         until = int(np.searchsorted(changes.step, step))  # the changes of the first `step` steps
         if until == len(changes.step):
@@ -187,23 +194,27 @@ class Recording:
         return table
 
     def frozen(self) -> Recording:
-        """Return a snapshot for another thread."""
+        """Return a fixed snapshot for another thread."""
         frozen = copy(self)
-        frozen._steps, frozen._changes = self._steps.frozen(), self._changes.frozen()
         frozen._latest, frozen._keyframes = self._latest.copy(), list(self._keyframes)
         frozen.rebound = list(self.rebound)
         return frozen
 
+    def _without_pair(self, changes: Doubles) -> Doubles:
+        cells = len(self._latest)
+        step, cell, before, after = changes[changes[:, 1] >= cells].T
+        self._of_pair.add((step, cell - cells, before, after))
+        return changes[changes[:, 1] < cells]
+
     def _keep_latest(self, cell: IntArray, after: FloatArray) -> None:
-        """Update the latest table, and store keyframes from which others are computed."""
         if self.initial is not None:
             self._latest[cell] = after
-            last = self._keyframes[-1][0] if self._keyframes else 0
-            if len(self._changes) - last >= max(BETWEEN_KEYFRAMES, 8 * len(self._latest)):
-                self._keyframes.append((len(self._changes), self._latest.copy()))
+            last, count = self._keyframes[-1][0] if self._keyframes else 0, len(self.changes.step)
+            if count - last >= max(BETWEEN_KEYFRAMES, 8 * len(self._latest)):
+                self._keyframes.append((count, self._latest.copy()))
 
     def _forget(self) -> None:
-        steps, changes = len(self._steps), self.changes
+        steps, changes = len(self.steps.state), self.changes
         keep_from = self.first + steps // 2
         if len(changes.step) > self._most_changes:
             keep_from = max(keep_from, int(changes.step[len(changes.step) // 2]) + 1)
@@ -211,15 +222,16 @@ class Recording:
         if self.initial is not None:
             self.initial = self.table_at(keep_from)
             self.found_at = max(self.found_at, keep_from)
+        if self.initial_pair is not None and keep_from > self.paired_at:
+            changes = self.changes_of_pair
+            gone = int(np.searchsorted(changes.step, keep_from))
+            self.initial_pair = self.initial_pair.copy()
+            self.initial_pair[changes.cell[:gone]] = changes.after[:gone]
+            self.paired_at = keep_from
+            self._of_pair.forget(gone)
         self._changes.forget(until)
         self._steps.forget(min(keep_from - self.first, steps))
+        self._view()
         self._keyframes = [(place - until, table) for place, table in self._keyframes if place >= until]
         self.rebound = [each for each in self.rebound if each >= keep_from]
         self.first = min(keep_from, self.first + steps)
-
-
-def _columns(table: Doubles) -> list[npt.NDArray[Any]]:
-    environment, state, action, reward, next_state, flags, episode, episode_step = table.T
-    said = flags.astype(np.int64)
-    terminated, truncated = (said & StepFlag.TERMINATED) != 0, (said & StepFlag.TRUNCATED) != 0
-    return [environment, state, action, reward, next_state, terminated, truncated, episode, episode_step]

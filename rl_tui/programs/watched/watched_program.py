@@ -1,4 +1,4 @@
-"""A watched program: its file, its process and log, and the control of its steps."""
+"""A watched program: file, process, log and steps."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from rl_tui.common.limits import LARGEST_SOURCE
 from rl_tui.common.text_file import UnreadableError, open_plain
 from rl_tui.programs.watched.child.script import check_script
 from rl_tui.programs.watched.messages import NO_LIMIT
+from rl_tui.programs.watched.notebook import Notebook, is_notebook, place_in_words, read_notebook
 from rl_tui.programs.watched.program_log import ProgramError, ProgramLog
 from rl_tui.programs.watched.program_process import ProgramProcess, ProgramRequest
 from rl_tui.programs.watched.program_world import ProgramWorld, world_of_program
@@ -29,18 +30,21 @@ SETTLED: Final = 0.3
 
 
 class ProgramFile:
-    """Watches the file at `path` for changes. `clock` returns seconds."""
+    """Watches a file for changes. `clock` returns seconds."""
 
     def __init__(self, path: Path, clock: Callable[[], float]) -> None:
         self.path = path
-        self.source: tuple[str, ...] = _lines(path)
+        self.source: tuple[str, ...]
         """Lines of the file when the program was started."""
+        self.notebook: Notebook | None
+        """The notebook that the file was then, if it is one."""
+        self.read_again()
         self._clock = clock
         self._stamp = self._seen = _stamp(path)
         self._looked_at = self._changed_at = clock()
 
     def was_saved(self) -> bool:
-        """Return True once after each save, when the file has been stable for a moment."""
+        """Return True once after each save, when the file is stable."""
         now = self._clock()
         if now - self._looked_at < LOOKS:
             return False
@@ -54,7 +58,7 @@ class ProgramFile:
         return True
 
     def fault(self) -> str:
-        """Return the syntax error of the file in one line, or ""."""
+        """Return the syntax error in one line, or ""."""
         try:
             check_script(self.path)
         except UserError as fault:
@@ -64,6 +68,7 @@ class ProgramFile:
     def read_again(self) -> None:
         """Use the current lines of the file."""
         self.source = _lines(self.path)
+        self.notebook = _notebook(self.path)
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:
@@ -82,6 +87,13 @@ def _lines(path: Path) -> tuple[str, ...]:
         return ()
 
 
+def _notebook(path: Path) -> Notebook | None:
+    try:
+        return read_notebook(path) if is_notebook(path) else None
+    except UserError:
+        return None
+
+
 # The process
 
 
@@ -91,11 +103,9 @@ _LONGEST: Final = 300
 
 
 class WatchedProgram:
-    """The process of `request`, which takes no step without permission. It is at rest while it waits for
-    permission. All its steps and their changes are known then.
+    """The process of `request`, which takes no step without permission. Raises UserError if it cannot start.
 
-    Raises:
-        UserError: The process cannot be started.
+    At rest it waits for permission, and all its steps and changes are known.
     """
 
     def __init__(self, request: ProgramRequest) -> None:
@@ -104,6 +114,16 @@ class WatchedProgram:
         """Everything it has reported."""
         self.heard_at = time.monotonic()
         """Time of the last message."""
+        self.is_at_rest = False
+        """True while it waits for permission."""
+        self.is_over = False
+        """True if it takes no further step."""
+        self.is_settled = False
+        """True if no message comes without permission: it rests or has ended."""
+        self.stopped_by: str | None = None
+        """The event at which it rests, as in messages.py."""
+        self.known = 0
+        """Number of fully known steps."""
         self._limit = 0
         self._asked: dict[str, Any] | None = None
         try:
@@ -113,43 +133,24 @@ class WatchedProgram:
 
     @property
     def exit_status(self) -> int | None:
-        """Exit status of the process, or None while it lives."""
+        """Exit status, if it has ended."""
         return self._process.exit_status
 
-    @property
-    def is_over(self) -> bool:
-        """True if it takes no further step."""
-        return self.log.ended or self._process.closed
-
-    @property
-    def is_at_rest(self) -> bool:
-        """True while it waits for permission."""
-        log = self.log
-        return log.waiting_at is not None and log.heard == self._process.asked
-
-    @property
-    def stopped_by(self) -> str | None:
-        """The event at which it rests, as named in messages.py, or None."""
-        return self.log.stopped_by if self.is_at_rest else None
-
-    @property
-    def is_settled(self) -> bool:
-        """True if no message comes without permission: it rests or has ended."""
-        return self.is_at_rest or self.is_over
-
-    @property
-    def known(self) -> int:
-        """Number of steps that are known with all their changes."""
-        count = self.log.recording.count
-        return count if self.is_settled else max(count - 1, 0)
+    def _look(self) -> None:
+        log, process = self.log, self._process
+        self.is_at_rest = log.waiting_at is not None and log.heard == process.asked
+        self.is_over = log.ended or process.closed
+        self.is_settled = self.is_at_rest or self.is_over
+        self.stopped_by = log.stopped_by if self.is_at_rest else None
+        self.known = log.recording.count if self.is_settled else max(log.recording.count - 1, 0)
 
     @cached_property
     def world(self) -> ProgramWorld:
-        """World of its first environment. Raises UserError if it is too large."""
+        """World of the first environment. Raises UserError if it is too large."""
         return world_of_program(self.log.environments[0])
 
     def let(self, steps: int = NO_LIMIT) -> None:
-        """Permit steps up to a total of `steps`, also after an event."""
+        """Permit `steps` in all, also after an event."""
         has_met = self.stopped_by is not None
         if self.is_over or (steps == self._limit and not has_met):
             return
@@ -157,51 +158,49 @@ class WatchedProgram:
         # after an event it waits for the next events to stop at
         goes_on = has_met and steps > self.log.recording.count
         self._process.allow(steps, {"stop": self._asked} if goes_on else None)
-
-    def go_on(self) -> None:
-        """Continue after an event, within the permitted steps."""
-        self.let(self._limit)
+        self._look()
 
     def stop_at(self, asked: Mapping[str, Any]) -> None:
-        """Set the events to stop at, as in messages.py: from the next step if it rests, else within a
-        moment.
-        """
+        """Set the events to stop at, as in messages.py."""
         wanted = dict(asked) or None
         if wanted == self._asked and "episode_ends" not in asked:  # episodes are counted from now on
             return
         self._asked = wanted
         if self.stopped_by is None:
             self._process.ask({"stop": wanted})
+            self._look()
 
     def trace(self) -> None:
-        """Report the lines of the next changes, at a fifth of the speed meanwhile."""
+        """Report the lines of the next changes, at a fifth of the speed."""
         if not self.is_over:
             self._process.ask({"trace": _TRACED})
+            self._look()
 
     def hold(self) -> None:
-        """Permit no step after the current one."""
+        """Permit no further step."""
         if not self.is_settled:
             self.let(0)
 
     def listen(self, seconds: float = 0.0) -> bool:
-        """Read messages for at most `seconds` and return True if there were any."""
+        """Return True if messages came within `seconds`."""
         found, stood_at = False, self.log.stands_at
         for letter, payload in self._process.frames(seconds):
             self.log.take(letter, payload)
             found = True
         if found and self.log.stands_at in (None, stood_at):  # its position in the code is reported instead
             self.heard_at = time.monotonic()
+        self._look()
         return found
 
     def end(self) -> None:
-        """Kill it and all processes that it started."""
+        """Kill it with all its processes."""
         self._process.end()
+        self._look()
 
     def wait_for_environment(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
-        """Wait until it has made an environment and is ready for its first step, or has ended.
+        """Wait until it is ready for its first step, or has ended.
 
-        Raises:
-            UserError: It ended without a suitable environment, or cannot be watched.
+        Raises UserError if it cannot be watched, or has no suitable environment.
         """
         while is_wanted():
             self.listen(_LOOK)
@@ -210,7 +209,7 @@ class WatchedProgram:
                 return
 
     def check(self) -> None:
-        """Raise UserError if it cannot be shown: it ended without an environment, or was refused."""
+        """Raise UserError if it ended without an environment, or was refused."""
         log = self.log
         if log.environments or not (self.is_over or log.refused):
             return
@@ -223,12 +222,12 @@ def _why_nothing_is_shown(log: ProgramLog) -> str:
     if log.error is not None:
         return error_in_words(log.error)
     why = "; ".join(log.notes) or "expected gymnasium.make, with discrete observations and actions"
-    return one_line(f"it ended without an environment that can be watched: {why}", _LONGEST)
+    return one_line(f"it ended before rl-tui found an environment to watch: {why}", _LONGEST)
 
 
 def error_in_words(error: ProgramError) -> str:
-    """Return the exception of a program in one line, with its place."""
-    place = "" if error.line is None else f"line {error.line}: "
+    """Return the exception in one line, with its place."""
+    place = "" if error.line is None else f"{place_in_words(error.file, error.line)}: "
     return one_line(f"{place}{error.type}: {error.text}", _LONGEST)
 
 

@@ -1,4 +1,4 @@
-"""The flip points of a playground's worlds, each computed once, on request."""
+"""The flip points of a playground's worlds, each computed once."""
 
 from __future__ import annotations
 
@@ -23,17 +23,15 @@ if TYPE_CHECKING:
 
 WORK: Final = "rl_tui.runs.answers.flip_answer:work"
 """Runs in a process of its own: fractions of thousands of digits would block the interpreter for seconds."""
-TOO_LONG: Final = "the computation took too long, or its process was ended"
+TOO_LONG: Final = "the computation took too long, or its process was killed"
 KEPT: Final = 4
 """Number of worlds whose flip points are remembered: one for each run."""
 
 
 class FlipAnswers:
-    """Computes flip points in a separate process, at normal priority because it is short.
+    """Computes flip points in a separate process, or within `begin` if not `automatic`.
 
-    Args:
-        on_news: Called from any thread when an answer has arrived.
-        automatic: False to compute within `begin`, so that results do not depend on timing.
+    `on_news` is called from any thread.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -42,7 +40,7 @@ class FlipAnswers:
         self._answers: list[tuple[TabularMDP, FlipAnswer]] = []
 
     def begin(self, mdp: TabularMDP | None) -> None:
-        """Start to compute the flip points of `mdp`, once. This stops the computation for any other world."""
+        """Compute the flip points of `mdp`, once, instead of any others."""
         if mdp is None or self.of(mdp).state is not FlipState.NOT_ASKED:
             return
         known = at_once(mdp)
@@ -58,7 +56,7 @@ class FlipAnswers:
             self._keep(mdp, refused(f"cannot start a process: {error}"))
 
     def of(self, mdp: TabularMDP | None) -> FlipAnswer:
-        """Return what is known about the flip points of `mdp`."""
+        """Return the known flip points of `mdp`."""
         if mdp is None:
             return refused(NO_TABLE)
         process = self._background.process
@@ -77,7 +75,7 @@ class FlipAnswers:
 
 
 def at_once(mdp: TabularMDP) -> FlipAnswer | None:
-    """Return the answer if no computation is needed, else None."""
+    """Return the answer if it needs no computation, else None."""
     from rl_tui.agents.exact.flips import why_refused
 
     if mdp.terminated.all():

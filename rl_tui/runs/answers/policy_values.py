@@ -1,4 +1,4 @@
-"""Exact values of a policy in a run, or the reason why there are none."""
+"""Exact values of policies in a run."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DrawnPolicy:
-    """A deterministic policy for some states, random elsewhere: (state, action) numbers, sorted by state."""
+    """Chosen (state, action) numbers, sorted by state; random elsewhere."""
 
     choices: tuple[tuple[int, int], ...] = ()
 
     def with_action(self, state: int, action: int | None) -> DrawnPolicy:
-        """Return a copy with `action` in `state`, or None removes the choice."""
+        """Return a copy with `action` in `state`. None removes the choice."""
         chosen = dict(self.choices)
         chosen.pop(state, None)
         if action is not None:
@@ -39,19 +39,19 @@ class DrawnPolicy:
         return DrawnPolicy(tuple(sorted(chosen.items())))
 
     def fitting(self, space: FiniteSpace) -> DrawnPolicy:
-        """Return a copy without choices that are unavailable in `space`."""
+        """Return a copy without choices unavailable in `space`."""
         legal = self.pairs(space)
         return DrawnPolicy(tuple(choice for choice in self.choices if choice[0] in legal))
 
     def pairs(self, space: FiniteSpace) -> dict[int, int]:
-        """Return the pair chosen in each state, without unavailable choices."""
+        """Return the pair chosen in each state, if available."""
         chosen = {
             state: space.pair_of(state, action) for state, action in self.choices if state < space.states
         }
         return {state: pair for state, pair in chosen.items() if pair is not None}
 
     def chances(self, space: FiniteSpace) -> FloatArray:
-        """Return π(a|s) of each pair, `[P]`, uniform in states without an available choice."""
+        """Return π(a|s), `[P]`, uniform in states without a choice."""
         return policy_of_choices(space, self.pairs(space))
 
 
@@ -59,11 +59,7 @@ class DrawnPolicy:
 
 
 def left_to_chance(mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
-    """Mark the states where the policy acts at random for lack of a choice.
-
-    Returns:
-        `[S]`, True if the state is reachable, has several actions, and none is drawn.
-    """
+    """Mark the reachable states, `[S]`, with several actions and no drawn one."""
     policy = drawn.chances(mdp)
     goes_on = (policy[mdp.outcome_pair] > 0.0) & (mdp.probability > 0.0) & ~mdp.terminated
     source = mdp.pair_state[mdp.outcome_pair[goes_on]]
@@ -81,7 +77,7 @@ class LeftToChance:
         self._known: list[tuple[TabularMDP, DrawnPolicy, BoolArray]] = []
 
     def of(self, mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
-        """Mark the reachable states where `drawn` acts at random for lack of a choice, `[S]`."""
+        """Return `left_to_chance`, `[S]`, cached."""
         for its_mdp, its_drawn, left in self._known:
             if its_mdp is mdp and its_drawn is drawn:
                 return left
@@ -95,21 +91,16 @@ class LeftToChance:
 
 TOO_MANY: Final = f"more than {LIVE_STATES:,} states: use rl-tui evaluate"
 WHILE_RUNNING: Final = "pause to see it"
-NO_CHANCES: Final = "its probabilities have no formula, or are too many"
+NO_CHANCES: Final = "its action probabilities have no formula, or there are too many"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PolicyAnswer:
-    """The exact values of one policy. All fields are None while pending, and if `refused`.
+    """The exact values of one policy, None while pending or `refused`.
 
-    Attributes:
-        policy: π(a|s), `[P]`.
-        v: V^π for the current γ, without time limit, `[S]`, or NaN if a state has no value (γ = 1 only).
-        q: Q^π for the current γ, without time limit, `[P]`; NaN as for `v`.
-        value_at_start: Mean of V^π over the start states.
-        expected_return: Expected undiscounted return of an episode within the time limit.
-        steps: Expected steps of an episode within the time limit.
-        ends: Probability that an episode ends within the time limit.
+    `policy` and `q` are `[P]`, `v` is `[S]`, both values for the current γ without time limit, NaN where a
+    policy has none (γ = 1 only). `value_at_start` is the mean of `v` over the start states. The return
+    (undiscounted), `steps` and `ends` (a probability) are those of an episode within the time limit.
     """
 
     policy: FloatArray | None = None
@@ -143,16 +134,7 @@ def worth_of(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyAnswer:
 
 
 def action_values(mdp: TabularMDP, v: FloatArray, gamma: float) -> FloatArray:
-    """Back up state values to action values (equation 4.6).
-
-    Args:
-        mdp: World with a transition table.
-        v: Values of the next states, `[S]`.
-        gamma: Discount in [0, 1].
-
-    Returns:
-        q(s, a), `[P]`.
-    """
+    """Back up `v`, `[S]`, to action values, `[P]` (equation 4.6)."""
     first = mdp.first_outcome[:-1]
     later = np.where(mdp.terminated, 0.0, v[mdp.next_state])
     gain = mdp.probability * (mdp.reward + gamma * later)
@@ -171,9 +153,9 @@ class _Question(NamedTuple):
 
 
 class PolicyAnswers:
-    """Policy values of several runs, cached until policy, γ or world change. A slow evaluation happens in
-    `work`, while the run is paused. With `automatic` off, `of` evaluates at once, so that nothing depends
-    on timing.
+    """Policy values of several runs, cached until policy, γ or world change.
+
+    Slow evaluations happen in `work` while the run is paused. Without `automatic`, nothing depends on timing.
     """
 
     def __init__(self, *, automatic: bool) -> None:
@@ -185,13 +167,9 @@ class PolicyAnswers:
     def of(
         self, run: PlayedRun, exact: Answer, drawn: DrawnPolicy, *, is_still: bool
     ) -> Mapping[PolicyKind, PolicyAnswer]:
-        """Return the known values of each policy in `run`.
+        """Return the known values of each policy, next to the optimal answer `exact`.
 
-        Args:
-            run: Run whose estimates and world are used.
-            exact: Optimal answer for this run.
-            drawn: Policy drawn by the user.
-            is_still: True if the run is paused, so that a slow evaluation may begin.
+        A slow evaluation may begin only if the run `is_still`.
         """
         mdp = run.learner.mdp
         waits = not is_still and mdp is not None and not is_quick(mdp)
@@ -209,7 +187,7 @@ class PolicyAnswers:
         return answers
 
     def work(self, run: PlayedRun, exact: Answer, drawn: DrawnPolicy) -> bool:
-        """Compute one answer that `of` lacks for `run` and return True if one was missing."""
+        """Compute one answer that `of` lacks, and return True if there was one."""
         for kind in PolicyKind:
             asked = _question(kind, run, exact, drawn)
             if not isinstance(asked, PolicyAnswer) and self._kept(run, kind, asked) is None:
@@ -238,7 +216,6 @@ class PolicyAnswers:
 def _question(
     kind: PolicyKind, run: PlayedRun, exact: Answer, drawn: DrawnPolicy
 ) -> _Question | PolicyAnswer:
-    """Return the question to evaluate, or an answer if there is nothing to evaluate."""
     mdp, refused = run.learner.mdp, _refusal(kind, run, exact)
     if mdp is None or refused:
         return PolicyAnswer(refused=refused)
@@ -249,7 +226,6 @@ def _question(
 
 
 def _refusal(kind: PolicyKind, run: PlayedRun, exact: Answer) -> str:
-    """Return the reason why there is no answer, if it is known without the policy, else ""."""
     learner = run.learner
     if learner.mdp is None:
         return NO_TABLE
@@ -261,7 +237,6 @@ def _refusal(kind: PolicyKind, run: PlayedRun, exact: Answer) -> str:
 
 
 def _policy(kind: PolicyKind, run: PlayedRun, exact: Answer, drawn: DrawnPolicy) -> FloatArray | PolicyAnswer:
-    """Return π(a|s), `[P]`, or an answer if the policy is pending or has no closed form."""
     from rl_tui.agents.exact.policy_figures import greedy_policy, uniform_over, uniform_policy
 
     space, learner = run.world.space, run.learner
@@ -280,7 +255,6 @@ def _policy(kind: PolicyKind, run: PlayedRun, exact: Answer, drawn: DrawnPolicy)
 
 
 def _behaviour(run: PlayedRun) -> FloatArray | PolicyAnswer:
-    """Return the agent's π(a|s) in this episode, `[P]`, or the reason why it is unknown."""
     from rl_tui.agents.policies.chances import all_chances
     from rl_tui.runs.run import Run
 

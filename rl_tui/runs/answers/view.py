@@ -1,4 +1,4 @@
-"""Answers about a run, in the form that a snapshot holds."""
+"""Answers about a run, as a snapshot holds them."""
 
 from __future__ import annotations
 
@@ -28,20 +28,16 @@ if TYPE_CHECKING:
 
 
 MANY_EPISODES: Final = 10
-TOO_LARGE: Final = "this world is too large to be computed on screen; use rl-tui why"
+TOO_LARGE: Final = "this world is too large for the screen; use rl-tui why"
 _KEPT: Final = 16
 _Settings = tuple[TabularMDP, str, Hyperparameters, bool]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FirstUpdateView:
-    """The wait of one run for its first update, as if the run began with the current settings.
+    """The wait for the first update, as if the run began with the current settings.
 
-    Attributes:
-        answer: The wait, or None if refused.
-        refused: Reason why there is no answer, else "".
-        has_moved: True if an estimate has already changed.
-        is_long: True if no estimate has changed in many episodes.
+    `is_long` means that no estimate has changed in many episodes.
     """
 
     answer: FirstUpdate | None
@@ -57,9 +53,7 @@ class FirstUpdates:
         self._known: OrderedDict[_Settings, tuple[FirstUpdate | None, str]] = OrderedDict()
 
     def of(self, run: PlayedRun, *, is_asked: bool) -> FirstUpdateView | None:
-        """Return the wait of `run`, or None if nobody asked and the run learns or has only begun. In a
-        large world the answer is given on request only.
-        """
+        """Return the wait of `run`, or None if nobody asked and the run learns or has only begun."""
         learner = run.learner
         has_many = learner.episodes >= MANY_EPISODES and PolicyKind.BEHAVIOUR not in run.unknown_policies
         if not is_asked and (not has_many or run.world.space.pairs > MOST_COPIED):
@@ -111,7 +105,6 @@ class AnswersView:
     studied: PolicyKind | None = None
     """The policy whose values are shown, or None."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
-    """The policy drawn by the user."""
     left_to_chance: BoolArray | None = None
     """States where the drawn policy acts at random for lack of a choice, `[S]`, or None if it is not
     studied.

@@ -19,17 +19,15 @@ from rl_tui.worlds.gym import modules
 Asked = TypeVar("Asked")
 Known = TypeVar("Known")
 
-ENDED_BY_ITSELF: Final = "its process ended without an answer"
+ENDED_BY_ITSELF: Final = "its process ended without a result"
 _LOOKS: Final = 1.0  # seconds between two checks of progress
 
 
 class Background(Generic[Asked, Known]):
     """Answers one request at a time in a separate process.
 
-    Args:
-        work: Function that computes, as `module:name`. See `child.main` for its signature. Its answers
-            must consist of values from modules that are imported here too.
-        on_news: Called from any thread when the answer or the progress has changed.
+    `work` is a function like `module:name`, with the signature in `child.main`. Its answers must consist of
+    values from modules that are imported here too. `on_news` is called from any thread.
     """
 
     def __init__(self, work: str, on_news: Callable[[], None]) -> None:
@@ -41,17 +39,9 @@ class Background(Generic[Asked, Known]):
         self._is_closed = False
 
     def begin(self, request: Asked, known: Known) -> AnsweringProcess[Asked, Known] | None:
-        """Start to answer `request`, replacing any other. Call it from one thread only.
+        """Start to answer `request` instead of any other, or return None once closed.
 
-        Args:
-            request: Sent to the process.
-            known: The answer until the first one arrives.
-
-        Returns:
-            The process, or None once closed.
-
-        Raises:
-            OSError: The process cannot be started.
+        Call it from one thread only. `known` is the first answer. Raises OSError.
         """
         self.end()
         with self._lock:
@@ -75,23 +65,19 @@ class Background(Generic[Asked, Known]):
 
 
 class AnsweringProcess(Generic[Asked, Known]):
-    """A process that answers `request`, and ends no later than this program. `on_news` is called from
-    another thread when an answer arrives, when the process ends, and when it starts or stops waiting for a
-    processor.
+    """A process that answers `request`, and ends no later than this program.
 
-    Raises:
-        OSError: The process cannot be started.
+    `on_news` is called from another thread for each answer, each change of `is_held_up` and the end. Raises
+    OSError.
     """
 
     def __init__(self, work: str, request: Asked, known: Known, on_news: Callable[[], None]) -> None:
         self.request = request
-        """The question."""
         self.known = known
         """The latest answer."""
         self.failed = ""
         """Why the work stopped early, empty unless it failed."""
         self.pace = Pace()
-        """Progress of the work."""
         self._on_news = on_news
         self._over = threading.Event()
         self._process = python_process(
@@ -111,16 +97,16 @@ class AnsweringProcess(Generic[Asked, Known]):
 
     @property
     def is_held_up(self) -> bool:
-        """True while a busy machine keeps the process waiting."""
+        """True while a busy machine delays the process."""
         return self.pace.is_held_up and not self._over.is_set()
 
     def why_failed(self, ended: str) -> str:
-        """Return why the work stopped early, with `ended` for an unexplained end, or "" if it did not."""
+        """Return why the work failed (`ended` if unexplained), or ""."""
         return ended if self.failed == ENDED_BY_ITSELF else self.failed
 
     @property
     def how_long(self) -> str:
-        """Time left, or a note that the machine is busy, empty if unknown."""
+        """Time left, or that the machine is busy."""
         return how_long(self.pace.seconds_left, is_held_up=self.is_held_up)
 
     def end(self) -> None:
@@ -132,7 +118,6 @@ class AnsweringProcess(Generic[Asked, Known]):
         self._reader.join()
 
     def _talk(self) -> None:
-        """Send the request, read the answers, and reap the process."""
         stdin, stdout = self._process.stdin, self._process.stdout
         assert stdin is not None
         assert stdout is not None
@@ -158,7 +143,7 @@ class AnsweringProcess(Generic[Asked, Known]):
         self._on_news()
 
     def _watch(self) -> None:
-        """Report when the process starts or stops waiting for a processor, since it sends no answer then."""
+        """Report delays, during which the process sends no answer."""
         was_held_up = False
         while not self._over.wait(_LOOKS):
             if self.is_held_up is not was_held_up:
@@ -173,7 +158,6 @@ def _send(stdin: IO[bytes], message: bytes) -> None:
 
 
 def _messages(stdout: IO[bytes]) -> Iterator[Any]:
-    """Yield the messages of the process until it closes the pipe or sends one that is too long."""
     while 0 < (length := int.from_bytes(stdout.read(LENGTH), "big")) <= LONGEST:
         sent = stdout.read(length)
         if len(sent) < length:

@@ -1,5 +1,6 @@
-"""The process that answers one request and ends with its stdin. It lowers its priority before it imports
-what the work needs.
+"""The process that answers one request and ends with its stdin.
+
+It lowers its priority before it imports what the work needs.
 """
 
 from __future__ import annotations
@@ -7,6 +8,7 @@ from __future__ import annotations
 import os
 import pickle
 import pkgutil
+import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -26,20 +28,22 @@ LONGEST_REASON: Final = 200
 
 
 def main(work: str) -> None:
-    """Answer the request on stdin with the function `work` (`module:name`), then end the process. `work`
-    receives the request and a function that sends an answer with the completed share (0 to 1). The last
+    """Answer the request on stdin with the function `work` (`module:name`), then end the process.
+
+    `work` receives the request and a function that sends an answer and the completed share (0 to 1). The last
     message is the reason for a failure, or "".
     """
     stdin, stdout = _own_pipes()
-    with suppress(AttributeError, OSError):
-        os.nice(NICENESS)
+    if sys.platform != "win32":
+        with suppress(OSError):
+            os.nice(NICENESS)
     modules, request = pickle.load(stdin)  # written by our own program
     threading.Thread(target=_end_with, args=(stdin,), daemon=True).start()
 
     def send(message: object) -> None:
         sent = pickle.dumps(message)
         if len(sent) > LONGEST:
-            raise ValueError(f"an answer of {len(sent):,} bytes, of which {LONGEST:,} are the most")
+            raise ValueError(f"a result of {len(sent):,} bytes; at most {LONGEST:,} are allowed")
         stdout.write(len(sent).to_bytes(LENGTH, "big") + sent)
         stdout.flush()
 
@@ -52,7 +56,6 @@ def main(work: str) -> None:
 def _failure_of(
     work: str, modules: frozenset[str], request: object, tell: Callable[[object, float], None]
 ) -> str:
-    """Do the work. `modules` may be imported by an environment. Return why it failed, or ""."""
     from rl_tui.common.errors import UserError
     from rl_tui.common.findings import one_line
     from rl_tui.worlds.gym.modules import ALLOWED
@@ -67,9 +70,11 @@ def _failure_of(
 
 
 def let_others_go_first() -> None:
-    """Take the lowest priority that still makes progress on a busy machine. This cannot be undone."""
+    """Take the lowest priority that still makes progress, for good."""
+    if sys.platform == "win32":
+        return
     for thread in _threads():
-        with suppress(AttributeError, OSError):
+        with suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, thread, LAST_NICENESS)
     # Linux may divide processors among sessions first, and this process has its own session
     with suppress(OSError), open("/proc/self/autogroup", "w", encoding="ascii") as of_session:
@@ -77,17 +82,17 @@ def let_others_go_first() -> None:
 
 
 def bound_processor_time(seconds: int) -> None:
-    """Let the system end this process after `seconds` of CPU time, if it supports limits."""
-    with suppress(ImportError, OSError, ValueError):
-        import resource
+    """Let the system end this process after `seconds` of CPU time."""
+    if sys.platform == "win32":
+        return
+    import resource
 
+    with suppress(OSError, ValueError):
         resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
 
 
 def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:
-    """Take over stdin and stdout, so that an environment neither reads the request nor writes into the
-    answers.
-    """
+    """Take over stdin and stdout, so that an environment cannot use them."""
     stdin, stdout = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDWR)
     for each in (0, 1):
@@ -101,7 +106,7 @@ def _end_with(stdin: IO[bytes]) -> None:
 
 
 def _threads() -> list[int]:
-    """Return all threads of this process, including those of libraries: Linux sets priorities per thread."""
+    """Return all threads, for which Linux sets priorities one by one."""
     try:
         return list(map(int, os.listdir("/proc/self/task")))
     except OSError:

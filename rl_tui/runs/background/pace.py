@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable
 from typing import Final
@@ -15,28 +16,25 @@ MACHINE_IS_BUSY: Final = "the machine is busy: waiting for a processor"
 
 
 def wants_all_processors() -> bool:
-    """Return True if other processes use all processors, or False if the system does not report the load."""
+    """Return True if other processes use all processors (False if unknown)."""
+    if sys.platform == "win32":
+        return False
     try:
         wanting = os.getloadavg()[0] - 1.0  # one is the answering process
-    except (AttributeError, OSError):
+    except OSError:
         return False
     return wanting >= (os.cpu_count() or 1)
 
 
 def how_long(seconds_left: float | None, *, is_held_up: bool) -> str:
-    """Return the time left, or a note that the machine is busy, or "" if unknown."""
+    """Return the time left, or that the machine is busy, or ""."""
     if is_held_up:
         return MACHINE_IS_BUSY
     return "" if seconds_left is None else f"about {lasting(seconds_left)} left"
 
 
 class Pace:
-    """Time of the last progress, time left, and whether a busy machine causes a delay.
-
-    Args:
-        clock: Returns seconds.
-        is_busy: Returns True if other processes use all processors.
-    """
+    """Progress, time left, and whether a busy machine causes a delay."""
 
     def __init__(
         self, clock: Callable[[], float] = time.monotonic, is_busy: Callable[[], bool] = wants_all_processors
@@ -48,7 +46,7 @@ class Pace:
         self._last: tuple[float, float] | None = None
 
     def note(self, share: float = 0.0) -> None:
-        """Record progress; `share` (0 to 1) of the work is done, 0 if unknown."""
+        """Record that `share` (0 to 1, 0 if unknown) of the work is done."""
         self._got_on = self._clock()
         if share > 0.0:
             self._last = self._got_on, share
@@ -56,13 +54,14 @@ class Pace:
 
     @property
     def is_held_up(self) -> bool:
-        """True if there was no progress for a while because the machine is busy."""
+        """True without progress for a while on a busy machine."""
         return self._clock() - self._got_on >= PATIENCE and self._is_busy()
 
     @property
     def seconds_left(self) -> float | None:
-        """Estimated seconds left, or None before the first result. The time before the first result is
-        excluded once there is a second one: it may include compilation.
+        """Estimated seconds left, or None before the first result.
+
+        Later estimates exclude the time before the first result, which may include compilation.
         """
         if self._last is None or self._first is None:
             return None

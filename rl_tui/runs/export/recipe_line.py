@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import command_line
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.runs.changes import written_change, written_value
 from rl_tui.runs.library import recipe_for, without_effect
@@ -26,21 +26,10 @@ LONGEST_LINE: Final = 100_000
 def recipe_line(
     recipe: Recipe, journal: Sequence[JournalEntry], step: int, action_names: Sequence[str]
 ) -> str:
-    """Write the `rl-tui train` command that repeats a run up to `step`.
+    """Write the `rl-tui train` command that repeats a run up to `step`, quoted for a shell.
 
-    Args:
-        recipe: Start of the run.
-        journal: Changes on the way.
-        step: Last step; 0 gives the command that trains as long as the scenario says.
-        action_names: Names in the world, `[A]`.
-
-    Returns:
-        The command, quoted for a shell, with every setting that differs from the scenario and has an
-        effect.
-
-    Raises:
-        UserError: The journal is too long for a line, or no file holds the scenario. A saved session is
-            better then.
+    Step 0 trains as long as the scenario says. Raises UserError if the journal is too long for a line, or no
+    file holds the scenario.
     """
     entries = _without_passing(entries_until(journal, step))
     if len(entries) > MOST_CHANGES:
@@ -61,7 +50,7 @@ def recipe_line(
         words += ["--steps", str(step)]
     for entry in entries:
         words += ["--change", written_change(entry, action_names)]
-    line = shlex.join(words)
+    line = command_line(words)
     if len(line.encode()) > LONGEST_LINE:
         raise UserError(
             f"the edits are too long for one line: save the session with m s, then {_REPLAY} repeats the run"
@@ -70,7 +59,7 @@ def recipe_line(
 
 
 def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEntry]:
-    """Return the entries that apply to the run at `step`: changes at that step count, actions do not."""
+    """Return the entries that apply at `step`, without its actions."""
     return [
         entry
         for entry in journal
@@ -79,9 +68,7 @@ def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEnt
 
 
 def _without_passing(entries: Sequence[JournalEntry]) -> list[JournalEntry]:
-    """Drop settings that the next entry overwrites, such as the values that a slider passes. A policy
-    stays: if it learns, its return begins anew.
-    """
+    """Drop settings that the next entry overwrites, as a slider does."""
     kept: list[JournalEntry] = []
     for entry in entries:
         if kept and _is_taken_back(kept[-1], entry):
@@ -102,9 +89,7 @@ def _is_taken_back(entry: JournalEntry, after: JournalEntry) -> bool:
 
 
 def scenario_name(scenario: Scenario) -> str:
-    """Return the name of `scenario` on the command line: its id if that finds the same text, else its
-    file. The text decides, because the file of a resumed session may have moved.
-    """
+    """Return the id of `scenario` if that finds the same text, else its file."""
     if scenario.id.startswith(PREFIX):
         return scenario.id
     try:
@@ -116,13 +101,13 @@ def scenario_name(scenario: Scenario) -> str:
     if _holds(scenario.source, scenario.text):
         return str(scenario.source)
     raise UserError(
-        f"no file {scenario.source} contains this scenario any more: save the session with m s, then "
+        f"{scenario.source} no longer contains this scenario: save the session with m s, then "
         f"{_REPLAY} repeats the run"
     )
 
 
 def allowance(scenario: Scenario) -> list[str]:
-    """Return the option that allows the environment of `scenario`, or an empty list."""
+    """Return the option that allows its environment, if any."""
     from rl_tui.worlds.gym.section import GymnasiumSection
 
     section = scenario.section
@@ -138,9 +123,7 @@ def _holds(file: Path, text: str) -> bool:
 
 
 def _settings(recipe: Recipe, entries: Sequence[JournalEntry]) -> list[str]:
-    """Return the options that turn the scenario into `recipe`. Options without effect are left out, unless
-    a later change may give them one.
-    """
+    """Return the options that differ and have an effect, or may have one later."""
     usual = recipe_for(recipe.scenario)
     idle = [] if any(map(_brings_others, entries)) else without_effect(recipe, PARAMETERS)
     options = [] if recipe.algorithm == usual.algorithm else ["--algorithm", recipe.algorithm]
@@ -152,7 +135,6 @@ def _settings(recipe: Recipe, entries: Sequence[JournalEntry]) -> list[str]:
 
 
 def _brings_others(entry: JournalEntry) -> bool:
-    """Return True if other hyper-parameters may apply after `entry`."""
     change = entry.change
     return isinstance(change, SwitchAlgorithm) or (
         isinstance(change, SetParameter) and change.name == "policy"

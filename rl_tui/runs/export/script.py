@@ -1,6 +1,4 @@
-"""A run as a plain Python script that needs only Gymnasium and NumPy. The script draws other random
-numbers, so its steps differ. World and algorithm are the same.
-"""
+"""A run as a plain Python script that needs only Gymnasium and NumPy, with other random numbers."""
 
 from __future__ import annotations
 
@@ -33,7 +31,7 @@ _SCHEDULES: Final = {
 
 
 class ParameterText:
-    """The hyper-parameters of one algorithm, as text for a script."""
+    """Hyperparameters of one algorithm as text."""
 
     def __init__(self, algorithm: str, hyperparameters: Hyperparameters) -> None:
         self.algorithm = BY_ID[algorithm]
@@ -44,7 +42,7 @@ class ParameterText:
 
     @property
     def flags(self) -> set[str]:
-        """Conditions for lines of a text: chosen words, such as `ties first`, and the kind of step size."""
+        """Conditions for lines of a text, such as `ties first`."""
         words = {
             f"{name} {self.hyperparameters.value(name)}"
             for name, parameter in PARAMETERS.items()
@@ -53,9 +51,7 @@ class ParameterText:
         return {*words, "sample average"} if self.sample_average else words
 
     def constants(self, episodes: int, seed: int, episodes_of_run: int = 0) -> str:
-        """Return the lines of the constants, each with a comment. `episodes_of_run` is the number in the
-        run on screen, or 0 if unknown.
-        """
+        """Return the lines of the constants. `episodes_of_run` is 0 if unknown."""
         constants = [*self._parameters()]
         if not self.algorithm.planner:
             other = f" (the run had {episodes_of_run:,})" if episodes_of_run not in (0, episodes) else ""
@@ -83,7 +79,7 @@ class ParameterText:
         return self.name_of(name), repr(self.hyperparameters.value(name)), f"{symbol}{parameter.help}"
 
     def name_of(self, name: str) -> str:
-        """Return the name of the constant for a hyper-parameter."""
+        """Return the name of the constant for a hyperparameter."""
         return _NAMES.get(name, name.upper())
 
     def is_scheduled(self, name: str) -> bool:
@@ -94,11 +90,11 @@ class ParameterText:
         return self.hyperparameters.value(schedule) != "constant" and self.hyperparameters.value(decay) != 0.0
 
     def schedules(self) -> str:
-        """Return the lines that compute ε and α at the start of an episode."""
+        """Return the lines that compute ε and α for an episode."""
         return "\n".join(self._schedule(name) for name in _SCHEDULES if self.is_scheduled(name))
 
     def in_episode(self, text: str) -> str:
-        """Replace `EPSILON` and `ALPHA` by variables if they have a schedule."""
+        """Replace `EPSILON` and `ALPHA` by scheduled variables."""
         for name in filter(self.is_scheduled, _SCHEDULES):
             text = re.sub(rf"\b{name.upper()}\b", name, text)
         return text
@@ -114,7 +110,7 @@ class ParameterText:
 
     @property
     def counts_visits(self) -> bool:
-        """True if the script counts the visits of each pair."""
+        """True if the script counts visits of pairs."""
         averages = self.sample_average and not self.algorithm.counts_updates
         return averages or (self.policy.counts_visits and not self.algorithm.planner)
 
@@ -129,11 +125,7 @@ _LEAST_VARIANCE: Final = 1e-12
 
 
 def learner_text(params: ParameterText, text: WorldText, space: FiniteSpace) -> list[str]:
-    """Return the parts of a script that learns: world, actions, learning, report.
-
-    Raises:
-        UserError: The algorithm or the policy has no text for scripts.
-    """
+    """Return the parts of a learning script. Raises UserError."""
     flags = {*params.flags, *(["time limit"] if text.truncates else [])}
     reward_flags, noise = _known_rewards(params, space)
     algorithm = _texts_of(params.algorithm, params, flags)
@@ -161,11 +153,7 @@ def learner_text(params: ParameterText, text: WorldText, space: FiniteSpace) -> 
 
 
 def planner_text(params: ParameterText, text: WorldText) -> list[str]:
-    """Return the parts of a script that plans with a model and plays the result.
-
-    Raises:
-        UserError: The script's world has no model, or the algorithm has no text for scripts.
-    """
+    """Return the parts of a planning script. Raises UserError without a model."""
     if not text.starts:
         raise UserError(
             "no script: a planner needs a transition table, and this environment has none; choose an "
@@ -193,7 +181,6 @@ def planner_text(params: ParameterText, text: WorldText) -> list[str]:
 
 
 def _texts_of(row: Algorithm | Policy, params: ParameterText, flags: set[str]) -> dict[str, str]:
-    """Return the texts next to the kernel of an algorithm or policy. Raises UserError if there are none."""
     try:
         texts = sections(row.module, flags)
     except (FileNotFoundError, ModuleNotFoundError, ValueError) as error:  # no text, no package, no name
@@ -202,18 +189,17 @@ def _texts_of(row: Algorithm | Policy, params: ParameterText, flags: set[str]) -
 
 
 def _tables(params: ParameterText, algorithm: dict[str, str], policy: dict[str, str]) -> str:
-    """Return the lines that create Q and the tables of the algorithm and policy."""
     lines = [_NEW_Q]
     if params.counts_visits:
         averages = params.sample_average and not params.algorithm.counts_updates
         step_size = "; the step size is 1/N" if averages else ""
-        lines.append(f"N = new_table(0.0)  # how often each action was taken{step_size}")
+        lines.append(f"N = new_table(0.0)  # number of times each action was taken{step_size}")
     lines += [texts["tables"] for texts in (algorithm, policy) if texts.get("tables")]
     return "\n".join(lines)
 
 
 def _known_rewards(params: ParameterText, space: FiniteSpace) -> tuple[list[str], str]:
-    """Return what posterior sampling knows about the arms: a flag, or a line with their variances."""
+    """Return what posterior sampling knows about the arms: a flag or their variances."""
     from rl_tui.agents.policies.thompson import new_rule
 
     if not is_bandit(space):
@@ -232,9 +218,6 @@ def _argmax(own: dict[str, str], parts: list[str]) -> list[str]:
 
 
 def _report(text: WorldText, params: ParameterText) -> str:
-    """Return the lines that print the policy. A planner's equal values differ by rounding errors, so they
-    are compared with a tolerance.
-    """
     worked_out = "np.isclose(values, values.max(), rtol=0, atol=1e-6)"
     equals = worked_out if params.algorithm.planner else "values == values.max()"
     return fill(text.report, {**text.report_pieces, "equals": equals})
@@ -248,8 +231,8 @@ _NEEDS: Final = (
     "Reinforcement Learning, 2nd edition"
 )
 _CHANGED: Final = (
-    "The run that this was written from had other settings or another world at first, or steps taken by "
-    "hand; here what held at its end holds from the beginning, and the agent takes every step."
+    "The run behind this script had other settings or another world at first, or steps taken by "
+    "hand. This script uses the final settings and world from the beginning, and the agent takes every step."
 )
 
 
@@ -264,20 +247,9 @@ def script(
 ) -> str:
     """Write the script that trains the algorithm of `recipe`.
 
-    Args:
-        recipe: World, algorithm and settings.
-        episodes: Episodes to train.
-        world: World of the recipe, if already built.
-        changed: True if the run had other settings at first. The script then says so.
-        episodes_of_run: Episodes of the run, named in the script if the number differs.
-        lane: Which of several runs this is (`1 of 2`), or "".
-
-    Returns:
-        The source of the script.
-
-    Raises:
-        UserError: The world is too large to read, its observations are too complex for a short script, or
-            the algorithm cannot work in it.
+    Its head says if the run had other settings at first (`changed`) or another number of episodes, and which
+    of several runs it is (`lane`, `1 of 2`). Raises UserError if the world is too large or too complex, or
+    the algorithm cannot work in it.
     """
     world = world or begin(recipe).world
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
@@ -314,7 +286,6 @@ def _ends_in_body(part: str) -> bool:
 
 
 def _remarks_on_run(changed: bool, lane: str) -> list[str]:
-    """Return sentences about differences between the run and the script."""
     return [*([f"It contains only run {lane}."] if lane else []), *([_CHANGED] if changed else [])]
 
 

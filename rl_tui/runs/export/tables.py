@@ -1,10 +1,9 @@
-"""Estimates, episodes and drawn policy of a run as files."""
+"""Estimates, episodes and drawn policy as files."""
 
 from __future__ import annotations
 
 import csv
 import json
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.files import new_file
+from rl_tui.common.findings import command_line
 from rl_tui.runs.answers.policy_values import DrawnPolicy
 from rl_tui.runs.changes import written_value
 from rl_tui.runs.export.recipe_line import allowance, scenario_name
@@ -32,44 +32,31 @@ def policy_text(space: FiniteSpace, drawn: DrawnPolicy) -> str:
 
 
 def evaluate_line(recipe: Recipe, file: str) -> str:
-    """Return the command that evaluates the policy in `file` with the γ of `recipe`, quoted for a shell.
-
-    Raises:
-        UserError: No file holds the scenario.
-    """
+    """Return the command that evaluates the policy in `file`. Raises UserError."""
     scenario = recipe.scenario
     seed = ["--seed", str(recipe.seed)] if scenario.section.drawn_from_seed else []
     gamma = written_value(recipe.hyperparameters.gamma)
     words = ["rl-tui", "evaluate", scenario_name(scenario), *allowance(scenario)]
-    return shlex.join([*words, "--policy", file, "--gamma", gamma, *seed])
+    return command_line([*words, "--policy", file, "--gamma", gamma, *seed])
 
 
 def q_array(space: FiniteSpace, q: FloatArray) -> FloatArray:
-    """Return `q`, `[P]`, as an array `[S, A]` with NaN for unavailable actions."""
+    """Return `q`, `[P]`, as `[S, A]` with NaN for unavailable actions."""
     table: FloatArray = np.full((space.states, len(space.action_names)), np.nan)
     table[space.pair_state, space.pair_action] = q
     return table
 
 
 def write_q_array(path: Path, space: FiniteSpace, q: FloatArray) -> None:
-    """Write `q_array` as a new .npy file. Raises UserError if that fails."""
+    """Write `q_array` as a new .npy file. Raises UserError."""
     with new_file(path) as stream:
         np.save(stream.buffer, q_array(space, q), allow_pickle=False)
 
 
 def write_q_csv(path: Path, space: FiniteSpace, q: FloatArray, visits: IntArray) -> None:
-    """Write estimates and visits as a new CSV file, with all digits. There is one row for each nonterminal
-    state. Each action has a column for its estimate and one for its visits, both empty if the action is
-    unavailable.
+    """Write estimates and visits, `[P]`, as a new CSV file with all digits, a row per nonterminal state.
 
-    Args:
-        path: File to create.
-        space: Names of states and actions.
-        q: Estimates, `[P]`.
-        visits: Visits, `[P]`.
-
-    Raises:
-        UserError: The file cannot be written.
+    Columns are estimates and visits by action, empty if unavailable. Raises UserError.
     """
     actions = list(space.action_names)
     with new_file(path) as stream:
@@ -93,16 +80,7 @@ def write_returns(
 ) -> None:
     """Write all episodes finished by `step` as a new CSV file: run, episode, return, length.
 
-    Args:
-        path: File to create.
-        recipe: Start of the run, which is repeated without a screen.
-        journal: Changes of the run.
-        step: Last step.
-        world: World at the start, if already built.
-        on_progress: Called during the run. Its exception stops the run and leaves no file.
-
-    Raises:
-        UserError: The file cannot be written, or the run breaks down.
+    The run is repeated. An exception of `on_progress` stops it and leaves no file. Raises UserError.
     """
     with new_file(path) as stream:
         stream.write(HEADER)
@@ -117,19 +95,7 @@ def estimates_again(
     world: World | None = None,
     on_progress: OnProgress = no_progress,
 ) -> tuple[FloatArray, IntArray]:
-    """Repeat a run up to `step` and return its estimates and visits. Snapshots of a large world hold only
-    the visible part.
-
-    Args:
-        recipe: Start of the run.
-        journal: Changes of the run.
-        step: Last step.
-        world: World at the start, if already built.
-        on_progress: Called during the run.
-
-    Returns:
-        Q and visits, `[P]` each.
-    """
+    """Repeat a run up to `step` and return Q and visits, `[P]` each."""
     run = Run(recipe, begin(recipe, world), evaluate=False)
     _do_again(run, journal, step, on_progress)
     return run.learner.q, run.learner.visits

@@ -22,7 +22,7 @@ from rl_tui.runs.recipe import (
 from rl_tui.runs.run import Run, RunState
 from rl_tui.runs.timeline.branches import Branch, Furthest, RunRecord, Timeline
 from rl_tui.runs.timeline.checkpoints import Checkpoints, Seek, Target, limits
-from rl_tui.runs.timeline.table_samples import CellHistory, TableSamples
+from rl_tui.runs.timeline.table_samples import CellHistory, ErrorHistory, TableSamples
 from rl_tui.runs.timeline.trail import (
     FEW_STEPS,
     MOST_PAIRS,
@@ -33,6 +33,8 @@ from rl_tui.runs.timeline.trail import (
 )
 
 # While seeking, the time between two stored states is at least this many times the time to store one
+from rl_tui.worlds.mdp.space import FloatArray
+
 _COPY_SHARE: Final = 4
 _PATIENCE: Final = 0.015  # seconds after which a simulated environment takes no further step
 
@@ -52,35 +54,25 @@ class KeptBranch:
 
 
 class BranchingRun:
-    """The run of one recipe with all its branches. It begins at the seed in the world `first`, on the
-    current branch of `record`, and advances along the journal of that branch. A change where the run has
-    been further begins a new branch. `seek_to` starts the way to another step or episode, and
-    `continue_seek` continues it piece by piece. Until the end of a seek, `run` keeps its position, unless
-    it only has to advance. A simulated environment cannot be reset to a state, so each seek starts at the
-    seed.
+    """The run of one recipe with all its branches.
 
-    Args:
-        record: Recipe and branches.
-        first: World at the start.
-        clock: Returns seconds.
+    A change in the past begins a new branch. `seek_to` starts the way to another position, and
+    `continue_seek` continues it. A simulated environment cannot be reset to a state, so each seek starts at
+    the seed.
     """
 
     def __init__(
         self, record: RunRecord, first: EditedWorld, clock: Callable[[], float] = time.perf_counter
     ) -> None:
         self.recipe = record.recipe
-        """Start of the run."""
         self._first = first
         self._limits = limits()
         self.run = self._run_from_seed()
-        """The run at its current position."""
         self.seek: Seek | None = None
-        """The current seek, or None."""
         pairs = first.world.space.pairs
         self._branches = [KeptBranch(each, Checkpoints(), TableSamples(pairs)) for each in record.branches]
         self._number = record.branch
         self.kept = self._branches[self._number]
-        """The current branch."""
         self._clock = clock
         self._spent = 0.0
         self._sought = 0.0  # seconds since a state was stored while seeking
@@ -97,7 +89,7 @@ class BranchingRun:
 
     @property
     def timeline(self) -> Timeline:
-        """Position among all branches: that of the target during a seek."""
+        """Position among all branches, that of the target during a seek."""
         seek, step, number = self.seek, self.run.step, self._number
         if seek is not None:
             target = seek.target
@@ -116,7 +108,7 @@ class BranchingRun:
         return RunRecord(self.recipe, timeline.branches, timeline.branch)
 
     def record_with(self, changes: Sequence[Change], taken: Callable[[], Sequence[str]]) -> RunRecord:
-        """Return the record after `changes` made here, as `apply` would make them; `taken` as for `apply`."""
+        """Return the record as if `apply` had made `changes` here."""
         record, step = self.record, self.run.step
         if not changes:
             return record
@@ -130,19 +122,16 @@ class BranchingRun:
 
     @property
     def _forks(self) -> bool:
-        """True if a change made here begins a branch, because the run has been further."""
         run, branch = self.run, self.kept.branch
         return run.step < branch.end or run.changes < len(branch.journal)
 
     def watch(self, watching: Watching | None) -> None:
-        """Stop `advance` right after the event `watching`, until a seek reaches another world."""
+        """Stop `advance` right after an event, until a seek reaches another world."""
         self._watching, self._watched_in = watching, self.run.edited
         self.run.learner.watch(watching)
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
-        """Advance along the branch by at most `steps` and `episodes`. It returns early where another loop
-        takes over, because interpreted steps may take a thousand times as long.
-        """
+        """Advance by at most `steps` and `episodes`, or until another loop takes over."""
         run, kept = self.run, self.kept
         until = min(run.step + steps, _end_of_loop(run, kept.branch.journal))
         last_episode = run.learner.episodes + episodes
@@ -159,14 +148,9 @@ class BranchingRun:
                 return
 
     def apply(self, change: Change, taken: Callable[[], Sequence[str]] = tuple) -> None:
-        """Make a change before the next step, on a new branch if the run has been further.
+        """Make a change, on a new branch if the run has been further.
 
-        Args:
-            change: Change to make.
-            taken: Returns names that a new branch must not have.
-
-        Raises:
-            UserError: The change does not fit, or a kiosk has too many of them.
+        `taken` returns names that a new branch must not have. Raises UserError.
         """
         self._check_room()
         kept, run, applied = self.kept, self.run, self.run.changes
@@ -187,9 +171,6 @@ class BranchingRun:
         self._keep(run, kept)
 
     def _new_name(self, taken: Callable[[], Sequence[str]]) -> str:
-        """Return a free name for the next branch. A run that began as a branch has used that branch's
-        name.
-        """
         names, number = {*taken(), *(each.branch.name for each in self._branches)}, len(self._branches) + 1
         while f"branch {number}" in names:
             number += 1
@@ -203,21 +184,14 @@ class BranchingRun:
             (len(self._branches), most.branches, "branches"),
         ):
             if limit is not None and count >= limit:
-                raise UserError(f"{limit:,} {name} are the limit in a kiosk; r r starts again")
+                raise UserError(f"a kiosk allows at most {limit:,} {name}; r r starts again")
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
     ) -> None:
-        """Start to seek a step or the beginning of an episode, within the reached part of a branch.
+        """Start to seek a step, or an episode from 1, as far as reached.
 
-        Args:
-            step: Step to seek.
-            episode: Episode to seek, from 1.
-            branch: Number of the branch, default the current one. Alone, it seeks the current step.
-
-        Raises:
-            UserError: There is no such branch, or the environment cannot be made. The run then keeps its
-                position.
+        A `branch` alone seeks the current step there. After a UserError the run keeps its position.
         """
         timeline = self.timeline
         number = timeline.branch if branch is None else branch
@@ -241,7 +215,7 @@ class BranchingRun:
             self._arrive(self.seek)
 
     def continue_seek(self, steps: int) -> int:
-        """Continue to seek by at most `steps` of one loop and return the number of steps taken."""
+        """Seek by at most `steps` of one loop and return the steps taken."""
         seek = self.seek
         if seek is None:
             return 0
@@ -265,7 +239,7 @@ class BranchingRun:
         return taken
 
     def stop_seek(self) -> None:
-        """Stop seeking. The run keeps its position."""
+        """Stop seeking, at the current position."""
         self.seek = None
         if self._watched_in is not self.run.edited:
             self._watching = None  # the numbers mean other states and pairs in this world
@@ -273,12 +247,12 @@ class BranchingRun:
 
     @property
     def trail(self) -> Trail:
-        """Known steps of the current episode up to the last one, empty while seeking."""
+        """Known steps of the current episode, none while seeking."""
         return self._recorder.up_to(self.run.learner.last_step)
 
     @property
     def trail_to_find(self) -> int:
-        """Length of the trail after `find_trail`, in steps, or 0 if it would find nothing more."""
+        """Length of the trail after `find_trail`, or 0."""
         learner, recorder = self.run.learner, self._recorder
         last = learner.last_step
         if last is None or last.planned or recorder.given_up == last.step or self.seek is not None:
@@ -290,9 +264,7 @@ class BranchingRun:
         return steps if learner.rewindable and learner.space.pairs <= MOST_PAIRS else 0
 
     def find_trail(self, seconds: float) -> None:
-        """Replay missing steps of the trail for about `seconds`; call it again to continue. A second run
-        does the replay, so this one is unchanged.
-        """
+        """Replay missing steps of the trail in another run for about `seconds`."""
         steps, last = self.trail_to_find, self.run.step
         if not steps:
             return
@@ -305,12 +277,18 @@ class BranchingRun:
             self._spare, self._replay = self._replay.run, None
 
     def cell_history(self, pair: int) -> CellHistory | None:
-        """Return the history of the estimate of `pair`, or None if the world has no such pair."""
+        """Return the history of the estimate of `pair`, or None."""
         run, changes = self.run, self.run.world_changes
         if pair >= run.world.space.pairs:
             return None
         since = changes[-1].step if changes else None
         return self.kept.samples.history(pair, run.step, run.learner.q, since)
+
+    def value_errors(self, exact: FloatArray) -> ErrorHistory:
+        """Return the history of the distance from the `exact` values, `[P]`."""
+        run, changes = self.run, self.run.world_changes
+        since = changes[-1].step if changes else None
+        return self.kept.samples.errors(exact, run.step, run.learner.q, since)
 
     def _run_from_seed(self) -> Run:
         # draw again what depends on the seed, but share an equal world
@@ -345,7 +323,6 @@ class BranchingRun:
         self.stop_seek()
 
     def _put_in_force(self, number: int) -> None:
-        """Switch to the branch `number`. The other branches share their memory."""
         self._number, self.kept = number, self._branches[number]
         self._recorder.given_up = -1  # it belonged to another branch
         left = [each for each in self._branches if each is not self.kept]
@@ -354,7 +331,6 @@ class BranchingRun:
             each.samples.thin_out(len(left))
 
     def _follow(self, run: Run, kept: KeptBranch, last_step: int, last_episode: int) -> None:
-        """Advance `run` along the branch `kept` and store what is needed to return."""
         while True:
             if kept.samples.next_step == run.step:
                 kept.samples.add(run.learner.q)
@@ -370,7 +346,6 @@ class BranchingRun:
                 return
 
     def _keep(self, run: Run, kept: KeptBranch) -> None:
-        """Record how far the branch has reached, and store a checkpoint if one is due."""
         if run.step > kept.branch.end:
             kept.branch = replace(kept.branch, end=run.step)
         if self._spent >= kept.checkpoints.spacing and run.learner.rewindable:
@@ -378,7 +353,7 @@ class BranchingRun:
             kept.checkpoints.add(run.checkpoint())
 
     def _keep_near(self, run: Run, kept: KeptBranch) -> None:
-        """Store the position of `run` for a short next seek, unless that slows this one down."""
+        """Store the position for a short next seek, unless that slows this one down."""
         if not run.learner.rewindable or self._sought < _COPY_SHARE * self._copying:
             return
         start = self._clock()
@@ -388,7 +363,7 @@ class BranchingRun:
 
 
 def _end_of_loop(run: Run, journal: Sequence[JournalEntry]) -> int:
-    """Return the step at which another loop takes over, which may not be compiled yet."""
+    """Return the step at which another loop takes over, perhaps not compiled yet."""
     for entry in journal[run.changes :]:
         change = entry.change
         is_other = isinstance(change, SwitchAlgorithm) or (

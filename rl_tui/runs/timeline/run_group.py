@@ -40,19 +40,14 @@ from rl_tui.worlds.world import World
 
 MOST: Final = 4
 PROGRAM: Final = "your program"
+ONLY_YOUR_PROGRAM: Final = "only your program can create this environment"
 
 
 class RunGroup:
-    """One to four runs of one scenario. The visible run leads. The others follow to its `step`, unless
-    they are over before. Built-in runs begin at the seed, and `resume` seeks their positions. A watched
-    program is always the first run and always leads. `seeking` is true until the others have followed it.
+    """One to four runs of one scenario. The visible one leads; the others follow to its `step`.
 
-    Args:
-        records: One record for each built-in run.
-        world: World at the start.
-        shown: Number of the visible run.
-        clock: Returns seconds.
-        program: The run of a watched program, or None.
+    Built-in runs begin at the seed, and `resume` seeks their positions. A watched `program` is always the
+    first run and leads; `seeking` is then true until the others have followed.
     """
 
     def __init__(
@@ -81,7 +76,6 @@ class RunGroup:
         self._runs: list[Playing] = [] if program is None else [program]
         self._runs += (self._new_run(record) for record in records)
         self.current: Playing
-        """The visible run."""
         self._others: list[Playing]
         self._lead(shown)
 
@@ -91,20 +85,20 @@ class RunGroup:
 
     @property
     def built_in(self) -> BranchingRun:
-        """The visible run. Raises UserError if a watched program takes its steps."""
+        """The visible run. Raises UserError for a watched program."""
         if not isinstance(self.current, BranchingRun):
-            raise UserError("this is not available for a watched program")
+            raise UserError("not available for a watched program")
         return self.current
 
     def replace_program(self, program: Playing) -> None:
-        """Let `program` lead from its first step, in the same world. The other runs go back to it."""
+        """Let `program` lead from its first step. The others go back to it."""
         self.program = self._runs[0] = program
         self._lead(0)
         self.seek_to(step=program.run.step)
 
     @property
     def beside(self) -> Playing | None:
-        """The second visible run: the marked one, else the next, or None if there is only one."""
+        """The second visible run (the marked one, else the next), or None."""
         if self._beside in self._others:
             return self._beside
         return self._runs[(self.shown + 1) % len(self._runs)] if self._others else None
@@ -124,13 +118,13 @@ class RunGroup:
         return [each for each in self._runs if isinstance(each, BranchingRun)]
 
     def records(self, to_come: Sequence[Change] = ()) -> tuple[RunRecord, ...]:
-        """Return the records of this position, after the visible run has made the changes `to_come`."""
+        """Return the records after the changes `to_come` in the visible run."""
         shown = self.built_in.record_with(to_come, self._names_taken)
         return tuple(shown if each is self.current else each.record for each in self._runs)
 
     @property
     def interpreted_loops(self) -> list[Loop]:
-        """Loops that are not compiled yet, those of the visible run first."""
+        """Loops not compiled yet, the visible run's first."""
         lanes = [each for each in (self.current, *self._others) if isinstance(each, BranchingRun)]
         runs = [each.run if each.seek is None else each.seek.run for each in lanes]
         return [run.learner.loop for run in runs if not run.learner.is_compiled]
@@ -151,7 +145,7 @@ class RunGroup:
         return (behind.run.step, self.step) if behind.seek is None else behind.seek.progress
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
-        """Advance the visible run by at most `steps` and `episodes`. The others follow."""
+        """Advance the visible run. The others follow."""
         self.current.advance(steps, episodes)
         self.step = self.current.run.step
         if self._others and self.program is None:
@@ -166,7 +160,7 @@ class RunGroup:
                 each.advance(self.step - each.run.step)
 
     def resume(self, records: Sequence[RunRecord]) -> None:
-        """Start to seek the positions of `records`, from which these runs were made."""
+        """Seek the positions of `records`, from which these runs were made."""
         for each, record in zip(self._runs, records, strict=True):
             each.seek_to(step=record.step)
         self._resumes = True
@@ -175,8 +169,9 @@ class RunGroup:
 
     def restarted(self, recipe: Recipe, *, keeps_edits: bool) -> tuple[RunRecord, ...]:
         """Return records for a restart: `recipe` for the visible run, current settings for the others.
-        Runs that shared its seed share its new one. A run that already had the new seed gets the old one,
-        so that different seeds stay different. With `keeps_edits` each run begins in its current world.
+
+        Runs that shared its seed share its new one. A run that already had that seed gets the old one. With
+        `keeps_edits` each run begins in its current world.
         """
         before = self.current.recipe.seed
         seeds = {recipe.seed: before, before: recipe.seed}
@@ -191,13 +186,13 @@ class RunGroup:
         )
 
     def world_of(self, record: RunRecord) -> EditedWorld:
-        """Return the world at the position of `record`, one of these runs."""
+        """Return the world at the position of `record`."""
         return self.first.after_all(record.world_changes, record.recipe)
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
     ) -> None:
-        """Let the visible run start to seek, as `BranchingRun.seek_to` does. The others follow."""
+        """Let the visible run seek. The others follow."""
         self.current.seek_to(step=step, episode=episode, branch=branch)
         for each in self._others:
             each.stop_seek()  # their targets are outdated
@@ -205,7 +200,7 @@ class RunGroup:
         self._lead_if_there()
 
     def gather(self) -> None:
-        """Let the visible run lead again. If it is over, the others keep their positions."""
+        """Let the visible run lead again, unless it is over."""
         if not self.current.run.over:
             self.step = self.current.run.step
 
@@ -219,7 +214,7 @@ class RunGroup:
             self.step = self.current.run.step
 
     def continue_seek(self, steps: int) -> int:
-        """Move the next run towards its target by at most `steps` and return the number of steps taken."""
+        """Seek with one run by at most `steps` and return the steps taken."""
         if self.current.seek is not None:
             taken = self.current.continue_seek(steps)
             self._lead_if_there()
@@ -237,12 +232,14 @@ class RunGroup:
 
     @property
     def trails_are_whole(self) -> bool:
-        """True if the trails of the two visible runs are as complete as they can be."""
+        """True if both visible trails are complete."""
+        if not self._others:
+            return not self.current.trail_to_find
         return not any(each.trail_to_find for each in self._on_view)
 
     def find_trails(self, seconds: float) -> None:
-        """Complete the trails of the two visible runs, for about `seconds` (may be infinite)."""
-        on_view = self._on_view
+        """Complete both visible trails for about `seconds` (may be infinite)."""
+        on_view = [each for each in self._on_view if each.trail_to_find]
         for each in on_view:
             each.find_trail(seconds / len(on_view))
 
@@ -251,26 +248,20 @@ class RunGroup:
         return [each for each in (self.current, self.beside) if each is not None]
 
     def stop_seek(self) -> None:
-        """Stop seeking. The others follow to the position of the visible run."""
+        """Stop seeking. The others follow to this position."""
         self.current.stop_seek()
         self.step = self.current.run.step
 
     def add(self, changes: Sequence[Setting], *, next_seed: bool = False) -> None:
-        """Add a run that differs from the visible one by `changes`. It repeats the changes on the way,
-        except those of the same settings and actions of the user. With another algorithm it also leaves
-        out ordered sweeps.
+        """Add a run that differs from the visible one by `changes`, or by an unused `next_seed`.
 
-        Args:
-            changes: Settings that differ from the start.
-            next_seed: Use a seed above all seeds of the other runs.
-
-        Raises:
-            UserError: There are too many runs, or the new one cannot work.
+        It repeats the journal, except changes of these settings and actions of the user, and ordered sweeps
+        for another algorithm. Raises UserError.
         """
         self._check_room()
         model, step = self.current, self.step
-        if model.run.world.mdp is None and model.run.world.new_environment is None:
-            raise UserError("only your program can create this environment")
+        if not model.run.world.is_remade:
+            raise UserError(ONLY_YOUR_PROGRAM)
         recipe = changed_recipe(model.recipe, *changes)
         if next_seed:
             recipe = replace(recipe, seed=1 + max(each.recipe.seed for each in self._runs))
@@ -284,12 +275,9 @@ class RunGroup:
         self._let_catch_up(added)
 
     def add_branch(self, number: int) -> None:
-        """Add a branch of the visible run as a run of its own, and make it the second visible one. It
-        repeats the whole branch, including actions of the user, and advances to the common step. Later
-        changes in one of the two do not affect the other.
+        """Add a branch of the visible run, with all its actions, as the second visible one.
 
-        Raises:
-            UserError: There are too many runs, there is no such branch, or it is the current one.
+        Raises UserError.
         """
         self._check_room()
         model = self.built_in
@@ -336,12 +324,7 @@ class RunGroup:
                 self.gather()
 
     def apply(self, change: Change) -> None:
-        """Make a change in the visible run, which leads again. A new branch gets a name that is unused in
-        all runs with the same start.
-
-        Raises:
-            UserError: The change does not fit.
-        """
+        """Make a change in the visible run, which then leads. Raises UserError."""
         assert isinstance(self.current, BranchingRun)  # programs refuse changes
         self.current.apply(change, self._names_taken)
         self.gather()
@@ -383,7 +366,6 @@ class RunGroup:
 
 
 def _subject(change: Change) -> str:
-    """Return the name of what `change` sets; "" for an action."""
     if isinstance(change, SetParameter):
         return change.name
     if isinstance(change, WorldChange):
@@ -392,7 +374,6 @@ def _subject(change: Change) -> str:
 
 
 def _check(world: World, recipe: Recipe, journal: Sequence[JournalEntry]) -> None:
-    """Raise UserError if the recipe, or a setting in its journal, cannot work in `world`."""
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
     for entry in journal:
         if isinstance(entry.change, Setting):

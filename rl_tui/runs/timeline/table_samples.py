@@ -1,4 +1,4 @@
-"""Copies of the estimates at fixed steps, for the history of any cell."""
+"""Copies of the estimates at fixed steps, for histories."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LEAST: Final = 16
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CellHistory:
-    """Q of one pair at N steps up to the current one."""
+    """Q of one pair at N steps."""
 
     pair: int
     """Number of the pair, 0 to P − 1."""
@@ -26,10 +26,21 @@ class CellHistory:
     """Q of the pair at these steps, `[N]`."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ErrorHistory:
+    """The error of all estimates at N steps."""
+
+    step: IntArray
+    """Steps, ascending to the current one, `[N]`."""
+    error: FloatArray
+    """Root of the mean squared error over all pairs, `[N]`."""
+
+
 class TableSamples:
-    """Copies of Q at multiples of a spacing, which doubles (dropping every other copy) once there are too
-    many. Their positions depend only on the step number and table sizes, except on branches that were
-    left. Tables too large for 16 copies have none.
+    """Copies of Q at multiples of a spacing, which doubles once there are too many.
+
+    Positions depend only on step number and table sizes, except on old branches. Tables too large for 16
+    copies have none.
     """
 
     def __init__(self, pairs: int) -> None:
@@ -42,7 +53,7 @@ class TableSamples:
         """Step of the next copy, or None if no copies are taken."""
 
     def add(self, q: FloatArray) -> None:
-        """Take the copy that is due of the estimates `q`, `[P]`."""
+        """Take the copy that is due of `q`, `[P]`."""
         self._tables.append(q.copy())
         if len(self._tables) == self._most or (len(self._tables) > 2 and self._nbytes > self._limits.samples):
             self._tables = self._tables[::2]
@@ -50,7 +61,7 @@ class TableSamples:
         self.next_step = len(self._tables) * self._spacing
 
     def thin_out(self, branches: int) -> None:
-        """Keep fewer copies: the branch is one of `branches` that are not current."""
+        """Keep fewer copies of one of `branches` that are not current."""
         while len(self._tables) > _LEAST and self._nbytes > self._limits.samples_left // branches:
             self._tables = self._tables[::2]
             self._spacing *= 2
@@ -69,17 +80,20 @@ class TableSamples:
         return shared
 
     def history(self, pair: int, step: int, q: FloatArray, since: int | None = None) -> CellHistory:
-        """Return the history of one estimate.
+        """Return the history of one estimate, ending with `q`, `[P]`, at `step`.
 
-        Args:
-            pair: Number of the pair.
-            step: Current step.
-            q: Current estimates, `[P]`.
-            since: Step of the last edit of the world, whose earlier tables do not count, or None without
-                an edit.
+        Tables before `since`, the step of the last edit, do not count.
         """
+        steps, tables = self._since(since, step, q)
+        return CellHistory(pair, steps, np.array([table[pair] for table in tables], dtype=np.float64))
+
+    def errors(self, exact: FloatArray, step: int, q: FloatArray, since: int | None = None) -> ErrorHistory:
+        """Return the history of the distance from `exact`, `[P]`, likewise."""
+        steps, tables = self._since(since, step, q)
+        return ErrorHistory(steps, np.sqrt(np.mean((np.array(tables) - exact) ** 2, axis=1)))
+
+    def _since(self, since: int | None, step: int, q: FloatArray) -> tuple[IntArray, list[FloatArray]]:
         first = 0 if since is None else since // self._spacing + 1
         count = min(len(self._tables), -(-step // self._spacing))
         steps = [*(each * self._spacing for each in range(first, count)), step]
-        values = [*(table[pair] for table in self._tables[first:count]), q[pair]]
-        return CellHistory(pair, np.array(steps, dtype=np.int64), np.array(values, dtype=np.float64))
+        return np.array(steps, dtype=np.int64), [*self._tables[first:count], q]

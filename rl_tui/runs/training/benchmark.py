@@ -1,4 +1,4 @@
-"""The speed of learning, compared with a plain loop over Gymnasium."""
+"""The speed of learning, compared with plain loops."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import is_interrupt
+from rl_tui.common.packages import missing_package
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.run import Run
 from rl_tui.runs.training.batched_runs import BatchedRuns
@@ -34,7 +35,7 @@ RUNS: Final = 64
 
 
 class PlainLoop:
-    """Q-learning in plain Python, one Gymnasium step at a time."""
+    """Q-learning in plain Python."""
 
     def __init__(self, recipe: Recipe, random_ties: bool) -> None:
         import gymnasium
@@ -70,7 +71,6 @@ class PlainLoop:
 
     @contextmanager
     def _asked(self) -> Iterator[None]:
-        """Call the environment: suppress its output, and turn a failure into a one-line error."""
         try:
             with ENVIRONMENT_CALL:
                 yield
@@ -107,7 +107,7 @@ class PlainLoop:
 
 
 class Together:
-    """64 runs of one recipe with different seeds on all cores, as in `train --runs`."""
+    """64 runs with different seeds on all cores, as in `train --runs`."""
 
     def __init__(self, recipe: Recipe) -> None:
         seeded, seeds = SeededRuns(recipe), range(recipe.seed, recipe.seed + RUNS)
@@ -127,21 +127,18 @@ class Together:
 
 
 def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
-    """Time the kernel (one run and 64 runs) and the plain loop (first and random ties). They take turns.
-    The results are medians of steps per second.
+    """Time the kernel (one and 64 runs) and the plain loop (first and random ties), in turns.
 
-    Returns:
-        The document of `bench --json`.
-
-    Raises:
-        UserError: The scenario is not a Gymnasium environment, or the algorithm takes no steps in it.
+    Returns the document of `bench --json`, with median steps per second. Raises UserError without a Gymnasium
+    environment, or for a planner.
     """
     if BY_ID[recipe.algorithm].planner:
         raise UserError(f"{recipe.algorithm} takes no steps in the world: choose an algorithm that learns")
     first, random = PlainLoop(recipe, random_ties=False), PlainLoop(recipe, random_ties=True)
     run, together = Run(recipe, evaluate=False), Together(recipe)
     if not BACKGROUND.get(run.learner.loop):
-        raise UserError(f"no machine code: {BACKGROUND.failed[run.learner.loop]}")
+        failure = BACKGROUND.failed[run.learner.loop]
+        raise UserError(f"no machine code: {missing_package(failure) or failure}")
     run.advance(KERNEL_STEPS // 10)
     together.take_steps(KERNEL_STEPS)
     turns: list[tuple[Callable[[int], None], int]] = [

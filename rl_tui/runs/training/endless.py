@@ -30,8 +30,9 @@ _NOT_WORTH_IT: Final = f"the path to the end costs more than it earns; {REMEDY}"
 
 
 def endless_warning(scenario: Scenario) -> str:
-    """Return a one-line warning if episodes of `scenario` may never end, else "". It is not an error,
-    because γ below 1 has an exact answer there too.
+    """Return a one-line warning if episodes of `scenario` may never end, else "".
+
+    It is no error, because γ below 1 has an exact answer.
     """
     mdp = scenario.build(streams(0).world).mdp
     if mdp is None:
@@ -40,7 +41,7 @@ def endless_warning(scenario: Scenario) -> str:
 
 
 def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
-    """Return the warning for `mdp` with these settings after `episodes` of training."""
+    """Return the warning for `mdp` after `episodes` of training."""
     state = endless_state(mdp)
     if state is not None:
         return (
@@ -53,17 +54,15 @@ def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
 
 
 def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
-    """Return a warning if episodes are long under the values that SARSA or Q-learning reach, else "". ε is
-    the smaller one of the first and the last episode, and 0 for the greedy policy.
-    """
     gamma = hyperparameters.gamma
     epsilon = min(hyperparameters.epsilon_at(0), hyperparameters.epsilon_at(episodes))
     for name, planned in (("SARSA", epsilon), ("Q-learning", 0.0)):
         length = learned_length(mdp, gamma, planned, epsilon)
         if length > LONG_EPISODE:
-            steps = f"{length:,.0f} steps on average" if length < _UNTOLD else "nearly for ever"
+            steps = f"{length:,.0f} steps on average" if length < _UNTOLD else "almost forever"
             return (
-                f"with what {name} learns, at γ {gamma:g} and ε {epsilon:g}, an episode takes {steps}, and "
+                f"after {name} has learned, with γ {gamma:g} and ε {epsilon:g}, an episode takes "
+                f"{steps}, and "
                 f"there is no time limit: {_NOT_WORTH_IT}"
             )
     if learned_length(mdp, gamma, 0.0, 0.0) == np.inf:
@@ -79,7 +78,7 @@ def _long_in_a_trial(mdp: TabularMDP, hyperparameters: Hyperparameters) -> str:
     if episode is None:
         return ""
     return (
-        f"in a trial of SARSA episode {episode} had not ended after {LONG_EPISODE:,} steps and there is no "
+        f"in a trial of SARSA, episode {episode} took more than {LONG_EPISODE:,} steps, and there is no "
         f"time limit: an episode may take very long, or never end; {REMEDY}"
     )
 
@@ -89,14 +88,9 @@ def _is_tried(mdp: TabularMDP) -> bool:
 
 
 def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | None:
-    """Find an early episode of SARSA that exceeds `LONG_EPISODE` steps.
+    """Return the number of an early SARSA episode (box on page 130) above `LONG_EPISODE` steps.
 
-    Returns:
-        Number of the episode, from 1. None if all end, if the world is large or has a time limit, or if
-        estimates diverge.
-
-    The box on page 130 of Sutton & Barto (2nd ed.) with an ε-greedy policy. It is written in plain Python,
-    because the agents' loop takes ten times as long interpreted, and more to compile.
+    None if all end, the world is large or has a time limit, or estimates diverge.
     """
     if not _is_tried(mdp):
         return None
@@ -143,8 +137,6 @@ def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | Non
 
 
 def endless_state(mdp: TabularMDP) -> int | None:
-    """Return the first reachable state from which no terminal state can be reached. None if there is none,
-    or if a time limit ends every episode.
-    """
+    """Return the first reachable state from which no end is reachable, or None, as with a time limit."""
     lost = np.flatnonzero(endless_states(mdp))
     return int(lost[0]) if len(lost) else None

@@ -1,41 +1,39 @@
-"""The app, which opens screens and switches between them."""
+"""The app, which switches between screens."""
 
 from __future__ import annotations
 
 import asyncio
 import os
-import shlex
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from inspect import isawaitable
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
 
+from rich.console import RenderableType
 from textual.app import ScreenStackError
 from textual.binding import BindingType
-from textual.command import CommandPalette
 from textual.css.query import NoMatches
 from textual.dom import NoScreen
 from textual.driver import Driver
 from textual.events import Event, InputEvent, Key, MouseDown, Paste
 from textual.notifications import Notify
-from textual.theme import Theme, ThemeProvider
+from textual.theme import Theme
 from textual.widget import MountError
 from textual.worker import WorkerFailed
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import one_line
+from rl_tui.common.findings import command_line, one_line
 from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import begin
 from rl_tui.screen.app.display import Display
-from rl_tui.screen.app.opening import DrawingStart, MakePlayer, Opener, Start, beginning_of, live_player
+from rl_tui.screen.app.opening import DrawingStart, Opener, Start, beginning_of
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
-from rl_tui.screen.frame.message_line import Messages
+from rl_tui.screen.frame.message_line import Messages, complain
 from rl_tui.screen.keys.bindings import bindings_everywhere, stopping_keys
-from rl_tui.screen.kit.row import PanelRow
-from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.terminal.driver_choice import driver_class
 from rl_tui.screen.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.screen.terminal.key_queue import KeyQueue, TypeFirst
@@ -47,10 +45,9 @@ from rl_tui.worlds.files.catalogue import scenarios
 from rl_tui.worlds.files.scenario import Scenario
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from rl_tui.lessons.file.view import LessonRecord
     from rl_tui.lessons.lesson import Lesson
+    from rl_tui.live.player import Player
     from rl_tui.live.record import Record
     from rl_tui.live.sessions.autosave import Autosave, KeptSession
     from rl_tui.live.sessions.session import StoredSession
@@ -80,7 +77,7 @@ class Idleness:
         self._has_begun = False
 
     def stir(self) -> None:
-        """Note that a key or the mouse was used."""
+        """Note an input."""
         self._last = self._clock()
         self._has_begun = False
 
@@ -95,6 +92,7 @@ class Idleness:
 
 
 _LONGEST_ADDRESS = 300
+_OWN_THEMES: Final = ("dark", "light")
 # Errors from finding or mounting widgets of a screen that has gone
 _GONE = (NoMatches, MountError, NoScreen, ScreenStackError)
 
@@ -102,8 +100,8 @@ _GONE = (NoMatches, MountError, NoScreen, ScreenStackError)
 class RlTuiApp(LinkedApp[UserError]):
     """The start screen, and everything it opens.
 
-    ``picture`` draws without asking a terminal. ``sessions`` is the folder of sessions, None to save none. A
-    ``kiosk`` offers nothing about files. The result of the app is the error that ended it, or None.
+    ``picture`` draws without asking a terminal. ``sessions``: a folder, None to save none. A ``kiosk`` offers
+    nothing about files. The result of the app is the error that ended it, or None.
 
     Raises:
         UserError: The theme is unknown.
@@ -119,12 +117,11 @@ class RlTuiApp(LinkedApp[UserError]):
         self,
         display: Display | None = None,
         start: Start = None,
-        make_player: MakePlayer = live_player,
+        make_player: Callable[..., Player] | None = None,
         *,
         picture: bool = False,
         sessions: Path | None = None,
         kiosk: bool = False,
-        panels: Sequence[PanelRow] = PANELS,
     ) -> None:
         options = display or Display()
         depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
@@ -145,7 +142,7 @@ class RlTuiApp(LinkedApp[UserError]):
         named = encoding_of(os.environ, ours, utf8_mode=bool(sys.flags.utf8_mode))
         self._encoding = "utf-8" if picture else named
         self._start = start
-        self._opener = Opener(make_player, options, sessions, kiosk=kiosk, panels=panels)
+        self._opener = Opener(lambda: self.look, make_player, options, sessions, kiosk)
         self._kiosk = kiosk
         self._idleness = Idleness()
         self.bug: Exception | None = None
@@ -167,7 +164,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     @property
     def kept(self) -> KeptSession | None:
-        """The last session on disk, or None."""
+        """The last session on disk, if any."""
         return self._opener.kept
 
     def _build_driver(
@@ -185,7 +182,7 @@ class RlTuiApp(LinkedApp[UserError]):
         return getattr(self, "_exit", False)
 
     async def on_event(self, event: Event) -> None:
-        """Queue keys one at a time, and handle everything else at once."""
+        """Queue keys, and handle everything else at once."""
         if isinstance(event, InputEvent):
             if self._is_ending:
                 return  # the end does not wait for earlier keys
@@ -205,12 +202,12 @@ class RlTuiApp(LinkedApp[UserError]):
         await super().on_event(event)
 
     def on_type_first(self, message: TypeFirst) -> None:
-        """Put keys that were typed early before all that wait."""
+        """Put early keys before all that wait."""
         if not self._is_ending:
             self._key_queue.take_first(message.keys)
 
     def on_notify(self, event: Notify) -> None:
-        """Show a notification in the message line, in the characters of the terminal."""
+        """Show a notification in the message line."""
         event.prevent_default()  # Textual would draw it over the screen
         event.notification.message = to_ascii(event.notification.message, self.look.glyphs)
         self.messages.note(event.notification)
@@ -223,7 +220,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.notify("Too many keys at once. The rest were ignored.", severity="warning")
 
     async def typed(self) -> None:
-        """Wait until all keys are handled and the screens they open are ready."""
+        """Wait until all keys are handled and their screens are ready."""
         await self._key_queue.rest()
 
     def on_mount(self) -> None:
@@ -236,84 +233,72 @@ class RlTuiApp(LinkedApp[UserError]):
             end_on_signal(self._end, self.give_back_terminal)
         if self._kiosk:
             self.set_interval(LOOKS, self._pause_when_idle)
-        self.push_screen(self._opener.first_screen(self.look, self._start))
+        self.push_screen(self._opener.first_screen(self._start))
+
+    def _go_to(self, screen: ActionScreen) -> None:
+        self._start = None  # later errors lead back to the start screen
+        self.switch_screen(screen)
 
     def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
         """Go to the playground."""
-        self._start = None  # later errors lead back to the start screen
         if event.draws:
-            self.switch_screen(self._opener.first_screen(self.look, DrawingStart(event.recipe)))
+            self._go_to(self._opener.first_screen(DrawingStart(event.recipe)))
         else:
             is_new = self._opener.has_kept_nothing
-            self.switch_screen(
-                self._opener.playground(self.look, event.recipe, watches=event.watches, is_gradual=is_new)
-            )
+            self._go_to(self._opener.playground(event.recipe, watches=event.watches, is_gradual=is_new))
 
     def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
         """Go on with a session."""
-        self._start = None
-        self.switch_screen(self._opener.resumed(self.look, event.session, event.record))
+        self._go_to(self._opener.resumed(event.session, event.record))
 
     def on_catalogue_screen_lessons_wanted(self, event: CatalogueScreen.LessonsWanted) -> None:
         """Go to the list of lessons."""
-        self._start = None
-        self.switch_screen(self._opener.lessons(self.look, event.start_at))
+        self._go_to(self._opener.lessons(event.start_at))
 
     def on_lessons_screen_list_closed(self) -> None:
         """Go back to the start screen."""
         from rl_tui.screen.catalogue.catalogue import AT_LESSONS
 
-        self._start = None
-        self.switch_screen(self._opener.catalogue(self.look, AT_LESSONS))
+        self._go_to(self._opener.catalogue(AT_LESSONS))
 
     def on_lessons_screen_lesson_chosen(self, event: LessonsScreen.LessonChosen) -> None:
-        """Go to the playground of a lesson."""
+        """Go to a lesson's playground."""
         try:
-            playground = self._opener.first_screen(self.look, event.start)
+            self._go_to(self._opener.first_screen(event.start))
         except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
-            return
-        self._start = None
-        self.switch_screen(playground)
+            complain(self, fault)
 
     async def on_playground_setup_wanted(self, event: Playground.SetupWanted) -> None:
-        """Go to the setup of another lesson page, or show the error."""
+        """Go to another lesson page's setup."""
         try:
             record = await asyncio.to_thread(_built, event.record)
         except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
-            return
-        self._start = None
-        self.switch_screen(self._opener.other_setup(self.look, record))
+            complain(self, fault)
+        else:
+            self._go_to(self._opener.other_setup(record))
 
     async def on_lesson_wanted(self, event: LessonWanted) -> None:
-        """Go to another lesson, where it was left."""
+        """Go to another lesson."""
         from rl_tui.live.sessions.progress import StoredProgress, start_of
 
         self._opener.close()  # saves the session before the next one is looked for
         try:
             progress = await asyncio.to_thread(lambda: StoredProgress(self._opener.sessions).of(event.lesson))
             start = await asyncio.to_thread(start_of, event.lesson, progress)  # may import Gymnasium
-            playground = self._opener.first_screen(self.look, start)
+            self._go_to(self._opener.first_screen(start))
         except UserError as fault:
-            lessons = self._opener.lessons(self.look, event.lesson.id, fault, comes_from_lesson=True)
-            self.switch_screen(lessons)
-            return
-        self._start = None
-        self.switch_screen(playground)
+            self.switch_screen(self._opener.lessons(event.lesson.id, fault, comes_from_lesson=True))
 
     def on_playground_left(self, event: Playground.Left) -> None:
-        """Go back to the list that led here, or end with the error."""
+        """Go back, or end with the error."""
         if event.fault is not None and self._start is not None:
             self.exit(event.fault, return_code=1)
             return
-        self._start = None
         self._opener.close()  # saves the session before it is listed
-        if self._opener.lesson_id:
-            id_ = self._opener.lesson_id
-            self.switch_screen(self._opener.lessons(self.look, id_, event.fault, comes_from_lesson=True))
+        if id_ := self._opener.lesson_id:
+            self._go_to(self._opener.lessons(id_, event.fault, comes_from_lesson=True))
         else:
-            self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
+            self._go_to(self._opener.catalogue(event.recipe.scenario.id, event.fault))
 
     def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
         """Go to the next or previous scenario."""
@@ -324,17 +309,16 @@ class RlTuiApp(LinkedApp[UserError]):
         try:
             recipe = recipe_for(known[(here + event.offset) % len(known)], {}, event.recipe.seed)
         except UserError as fault:
-            self.notify(str(fault), severity="error", markup=False)
-            return
-        self._start = None
-        self.switch_screen(self._opener.next_playground(self.look, recipe))
+            complain(self, fault)
+        else:
+            self._go_to(self._opener.next_playground(recipe))
 
     def on_playground_reopened(self, event: Playground.Reopened) -> None:
         """Go to a new run."""
         from rl_tui.live.commands import SetSpeed
 
         self._opener.close()
-        playground = self._opener.next_playground(self.look, event.recipe)
+        playground = self._opener.next_playground(event.recipe)
         playground.send(SetSpeed(event.speed))
         self.switch_screen(playground)
 
@@ -347,17 +331,17 @@ class RlTuiApp(LinkedApp[UserError]):
                     screen.run.rest()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Forbid a kiosk to suspend its process, because there may be no shell."""
+        """Forbid a kiosk to suspend its process: there may be no shell."""
         if self._kiosk and action == "suspend_process":
             return False
         return super().check_action(action, parameters)
 
     def open_url(self, url: str, *, new_tab: bool = True) -> None:
-        """Show ``url``, because a browser would open where the program runs."""
+        """Show ``url``: a browser would open where the program runs."""
         self.notify(one_line(url, _LONGEST_ADDRESS), title="address", timeout=15, markup=False)
 
     def action_ask_to_quit(self) -> None:
-        """Copy the selected text, else ask whether to quit, or quit."""
+        """Copy the selection, else ask or quit."""
         from rl_tui.screen.dialogs.dialog import QuitQuestion
 
         selected = self.screen.get_selected_text()
@@ -369,7 +353,7 @@ class RlTuiApp(LinkedApp[UserError]):
             self.push_screen(QuitQuestion(self.look.glyphs), lambda quits: self.exit() if quits else None)
 
     def action_find(self) -> None:
-        """Open the search for anything by its name."""
+        """Open the search by name."""
         from rl_tui.screen.app.find import FindScreen, entries_in_files, entries_on, new_values
 
         screen = self.screen
@@ -390,9 +374,8 @@ class RlTuiApp(LinkedApp[UserError]):
 
         try:
             if isinstance(found, Scenario):
-                self._start = None
                 self._opener.close()
-                self.switch_screen(self._opener.next_playground(self.look, recipe_for(found, {}, 0)))
+                self._go_to(self._opener.next_playground(recipe_for(found, {}, 0)))
             elif isinstance(found, StoredSession):
                 record = await asyncio.to_thread(found.record)  # may import Gymnasium
                 self._opener.close()
@@ -400,28 +383,35 @@ class RlTuiApp(LinkedApp[UserError]):
             else:
                 self.post_message(LessonWanted(found))
         except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            complain(self, fault)
 
     async def action_suspend_process(self) -> None:  # type: ignore[override]
-        """Suspend to the shell, if there is one that can resume the program."""
+        """Suspend if a shell can resume."""
         if not await self.go_to_shell():
             self.notify("Not here: there is no shell. q: quit.", markup=False)
 
     def on_terminal_driver_lost(self) -> None:
-        """End as if the terminal had sent its hang-up signal."""
+        """End as if the terminal had hung up."""
         self._end(HUNG_UP)
 
     def exit(
         self, result: UserError | None = None, return_code: int = 0, message: RenderableType | None = None
     ) -> None:
-        """End the app and its workers, which could mount widgets too late."""
+        """End the app and its workers, which could mount widgets late."""
         self.workers.cancel_all()
         super().exit(result, return_code, message)
 
     def search_themes(self) -> None:
-        """Open the list of themes."""
-        classes = "-slow" if self.has_slow_link else None
-        self.push_screen(CommandPalette([ThemeProvider], placeholder="find a theme", classes=classes))
+        """Ask for a theme."""
+        from rl_tui.screen.dialogs.form import Candidate, Choice
+
+        names = sorted(self.available_themes, key=lambda name: (name not in _OWN_THEMES, name))
+        rows = [Candidate(each, each) for each in names]
+        self.push_screen(Choice("Colours", rows, self.theme, self.look.glyphs), self._take_theme)
+
+    def _take_theme(self, name: str | None) -> None:
+        if name is not None:
+            self.theme = name
 
     def _end(self, status: int) -> None:
         self._opener.close()  # first of all: there may be little time
@@ -451,19 +441,17 @@ class RlTuiApp(LinkedApp[UserError]):
 
 
 def _built(lesson: LessonRecord) -> Record:
-    from rl_tui.runs.recipe import begin
-
     record = beginning_of(lesson)
     begin(record.lanes[0].recipe)
     return record
 
 
 def bug_of(fault: Exception | None, autosave: Autosave | None) -> Exception:
-    """Return the error behind ``fault``, with a note on how to resume."""
+    """Add a note on resuming to the error."""
     if isinstance(fault, WorkerFailed) and isinstance(fault.error, Exception):
         fault = fault.error
     if fault is None:
         fault = RuntimeError("no reason is known")
     if autosave is not None and autosave.path is not None:
-        fault.add_note(f"your run is saved: rl-tui play {shlex.quote(str(autosave.path))}")
+        fault.add_note(f"your run is saved: rl-tui play {command_line([str(autosave.path)])}")
     return fault

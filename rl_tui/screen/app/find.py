@@ -1,4 +1,4 @@
-"""Search for anything by its name: actions, settings, words, worlds, lessons, sessions."""
+"""Search for anything by its name."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from rich.cells import cell_len
 from rich.text import Text
 from textual import on
 from textual.app import ComposeResult
-from textual.screen import Screen
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
 from rl_tui.common.words import counted
+from rl_tui.live.sessions.session import StoredSession, sessions_in
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
@@ -28,19 +28,17 @@ from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.bindings import ListInput, as_sentence
 from rl_tui.screen.theme.look import Look
-
-if TYPE_CHECKING:
-    from rl_tui.live.sessions.session import StoredSession
+from rl_tui.worlds.files.catalogue import scenarios
 
 _WORD: Final = re.compile(r"^\W+|\W+$")
 _PLAIN: Final = str.maketrans({"×": "x", "−": "-", "–": "-"})
 _LONGEST: Final = 60  # characters of a search
 _SENTENCE: Final = 220  # characters about the row under the cursor
-NOTHING: Final = "No name has a word with this beginning. ? shows all keys."
+NOTHING: Final = "Nothing begins with these letters. ? shows all keys."
 
 
 class Findable(NamedTuple):
-    """An entry of the search, which ``also`` matches and ``do`` opens."""
+    """An entry, which ``also`` matches and ``do`` opens."""
 
     name: str
     kind: str
@@ -54,7 +52,7 @@ class Findable(NamedTuple):
 class FindScreen(Dialog[Findable]):
     """A search line and a row per match. The answer is the chosen entry.
 
-    ``for_query`` makes entries from the query, such as a setting with a new value. ``more`` reads files.
+    ``for_query`` makes entries, such as a setting with a new value. ``more`` reads files.
     """
 
     def __init__(
@@ -74,14 +72,14 @@ class FindScreen(Dialog[Findable]):
         """True while files are read, which a typed enter waits for."""
 
     def compose(self) -> ComposeResult:
-        """Yield the line, the rows and the sentence."""
+        """Yield line, rows and sentence."""
         with self.box("Find", self._written("↑ ↓: choose   enter: do or open   esc: close"), "tall"):
             yield ListInput(placeholder="a few letters of anything", compact=True, max_length=_LONGEST)
             yield OptionList(id="found")
             yield Static(markup=False, classes="hint")
 
     def on_mount(self) -> None:
-        """List all actions, and start to read the files."""
+        """List all actions, and read the files."""
         self.query_one(OptionList).can_focus = False
         self.query_one(Input).focus()
         self.run_worker(self._read_more(), name="read what can be found")
@@ -93,7 +91,7 @@ class FindScreen(Dialog[Findable]):
             self.list_matches(self.query_one(Input).value, keeps_cursor=True)
 
     def on_resize(self) -> None:
-        """Fit the rows to the new width."""
+        """Refit the rows."""
         self.call_after_refresh(lambda: self.list_matches(self.query_one(Input).value))
 
     @on(Input.Changed)
@@ -104,19 +102,19 @@ class FindScreen(Dialog[Findable]):
     @on(Input.Submitted)
     @on(OptionList.OptionSelected)
     def choose(self) -> None:
-        """Answer the row under the cursor, unless it is refused."""
+        """Answer the row, unless it is refused."""
         place = self.query_one(OptionList).highlighted
         if place is not None and not self._found[place].refused:
             self.dismiss(self._found[place])
 
     @on(OptionList.OptionHighlighted)
     def explain(self, event: OptionList.OptionHighlighted) -> None:
-        """Show the sentence of the row under the cursor."""
+        """Show the row's sentence."""
         if event.option_list.highlighted == event.option_index < len(self._found):  # else outdated
             self._tell(self._found[event.option_index].sentence)
 
     def list_matches(self, query: str, *, keeps_cursor: bool = False) -> None:
-        """List the matches of ``query``. The cursor stays if it ``keeps_cursor``."""
+        """List the matches. The cursor stays if it ``keeps_cursor``."""
         found = self.query_one(OptionList)
         before = None if found.highlighted is None else self._found[found.highlighted].name
         self._found = found_by(query, [*self._for_query(query), *self._entries])
@@ -147,7 +145,7 @@ class FindScreen(Dialog[Findable]):
 
 
 def found_by(query: str, entries: Sequence[Findable]) -> list[Findable]:
-    """Return the matches of ``query``, best first, or all actions."""
+    """Return the matches, best first, or all actions."""
     if not query.strip():
         return [entry for entry in entries if entry.kind == "action"]
     ranked = [(relevance(query, entry), entry) for entry in entries]
@@ -156,9 +154,9 @@ def found_by(query: str, entries: Sequence[Findable]) -> list[Findable]:
 
 
 def relevance(query: str, entry: Findable) -> float:
-    """Return how well ``query`` fits ``entry``, from 0 (not at all) to 1.
+    """Return how well ``query`` fits, from 0 (not at all) to 1.
 
-    It may be the key of the entry. Else each word must begin a word of the entry, or be part of its name.
+    It is the key of the entry, or each word begins a word of the entry or is part of its name.
     """
     if entry.keys and query.strip() == entry.keys:
         return 1.0
@@ -185,14 +183,12 @@ def _words(text: str) -> list[str]:
 # Entries
 
 
-def entries_on(screen: Screen[Any]) -> list[Findable]:
-    """Return the entries of ``screen`` that need no files: actions, settings, words."""
-    if not isinstance(screen, ActionScreen):
-        return []
+def entries_on(screen: ActionScreen) -> list[Findable]:
+    """Return the actions, settings and words."""
     actions = [_of_action(screen, action) for action in screen.actions if action.id != "find"]
     settings = [
         Findable(parameter.name, "setting", as_sentence(parameter.help), ask, also=parameter.symbol)
-        for parameter, ask, _ in _settings(screen)
+        for parameter, (ask, _) in _settings(screen)
     ]
     explain = screen.pages.show_words
     words = [
@@ -202,8 +198,8 @@ def entries_on(screen: Screen[Any]) -> list[Findable]:
     return [*actions, *settings, *words]
 
 
-def new_values(screen: Screen[Any], query: str) -> list[Findable]:
-    """Return a new setting if ``query`` has a name and number, such as ``epsilon .3``."""
+def new_values(screen: ActionScreen, query: str) -> list[Findable]:
+    """Return a new setting for a query such as ``epsilon .3``."""
     word, _, number = query.replace("=", " ").strip().rpartition(" ")
     try:
         value = float(number)
@@ -218,7 +214,7 @@ def new_values(screen: Screen[Any], query: str) -> list[Findable]:
             partial(put, value),
             also=query,
         )
-        for parameter, _, put in _settings(screen)
+        for parameter, (_, put) in _settings(screen)
         if asked
         and (asked == parameter.symbol or parameter.name.startswith(asked))
         and parameter.accepts(value)
@@ -231,17 +227,13 @@ def _of_action(screen: ActionScreen, action: Action) -> Findable:
     return Findable(name, "action", action.sentence, do, action.shown, action.aliases, bool(action.refused))
 
 
-def _settings(screen: Screen[Any]) -> Iterator[tuple[Parameter, Ask, Put]]:
-    if isinstance(screen, ActionScreen):
-        for name, (ask, put) in screen.settings.items():
-            yield PARAMETERS[name], ask, put
+def _settings(screen: ActionScreen) -> Iterator[tuple[Parameter, tuple[Ask, Put]]]:
+    return ((PARAMETERS[name], does) for name, does in screen.settings.items())
 
 
 def entries_in_files(open_found: Callable[[Any], object], sessions: Path | None) -> list[Findable]:
     """Return the worlds, lessons and sessions. Call it in a thread."""
     from rl_tui.lessons.catalogue import read_lessons
-    from rl_tui.live.sessions.session import sessions_in
-    from rl_tui.worlds.files.catalogue import scenarios
 
     worlds = [
         Findable(each.title, "world", each.summary, partial(open_found, each), also=each.id)

@@ -1,28 +1,27 @@
-"""The screens of the app, and the player and session behind each.
+"""The screens of the app, with their players and sessions.
 
-Each screen is imported when first needed, for a fast first paint.
+Each is imported when first needed, for a fast first paint.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar
 
 from rl_tui.common.errors import UserError
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.playground_keys import DRAW_PATH
-from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
     from rl_tui.lessons.file.view import LessonRecord
     from rl_tui.live.player import MakePlayback, Player
-    from rl_tui.live.record import Record, RecordSink
+    from rl_tui.live.record import Record
     from rl_tui.live.sessions.autosave import Autosave, KeptSession
     from rl_tui.live.sessions.progress import LessonStart
     from rl_tui.live.sessions.session import StoredSession
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DrawingStart:
-    """A run that starts with the editing of its world."""
+    """A run that starts with editing its world."""
 
     recipe: Recipe
 
@@ -48,42 +47,18 @@ Start: TypeAlias = (
 """The start of the app: LESSONS for the lessons, None for the start screen."""
 
 
-class MakePlayer(Protocol):
-    """A function that makes the thread behind a playground. ``record`` is a run to resume."""
-
-    def __call__(
-        self,
-        recipe: Recipe,
-        *,
-        record_sink: RecordSink | None,
-        record: Record | None,
-        make_playback: MakePlayback | None = None,
-    ) -> Player:
-        """Return the player of ``recipe``, or of the result of ``make_playback``."""
-
-
-def live_player(
-    recipe: Recipe,
-    *,
-    record_sink: RecordSink | None,
-    record: Record | None,
-    make_playback: MakePlayback | None = None,
-) -> Player:
-    """Return a player that takes steps as time passes."""
-    from rl_tui.live.player import Player
-
-    return Player(recipe, record_sink=record_sink, record=record, make_playback=make_playback)
+OwnScreen = TypeVar("OwnScreen", bound="ActionScreen")
 
 
 @dataclass
 class Opener:
-    """A maker of screens that look and begin as ``display`` says."""
+    """Makes screens as ``display`` and the current ``look`` say, by default with a ``Player`` each."""
 
-    make_player: MakePlayer
+    look: Callable[[], Look]
+    make_player: Callable[..., Player] | None
     display: Display
     sessions: Path | None
     kiosk: bool
-    panels: Sequence[PanelRow]
     player: Player | None = None
     """The player of the newest playground."""
     legends: LegendSwitch | None = None
@@ -97,78 +72,66 @@ class Opener:
     _earlier: Autosave | None = None
     """The one before ``autosave`` that has saved something, if any."""
 
-    def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> CatalogueScreen:
-        """Return the start screen, with the cursor on ``start_at``."""
+    def catalogue(self, start_at: str = "", fault: UserError | None = None) -> CatalogueScreen:
+        """Make the start screen."""
         from rl_tui.screen.catalogue.catalogue import CatalogueScreen
 
-        catalogue = CatalogueScreen(look, start_at, fault, self.sessions)
-        if self.kiosk:
-            catalogue.place |= Place.KIOSK
-        return catalogue
+        return self._placed(CatalogueScreen(self.look(), start_at, fault, self.sessions))
 
     def lessons(
         self,
-        look: Look,
         start_at: str = "",
         fault: UserError | None = None,
         *,
         comes_from_lesson: bool = False,
     ) -> LessonsScreen:
-        """Return the list of lessons, with the cursor on ``start_at``."""
+        """Make the list of lessons."""
         from rl_tui.screen.catalogue.lessons import LessonsScreen
 
-        lessons = LessonsScreen(look, start_at, fault, self.sessions, comes_from_lesson=comes_from_lesson)
-        if self.kiosk:
-            lessons.place |= Place.KIOSK
-        return lessons
+        return self._placed(
+            LessonsScreen(self.look(), start_at, fault, self.sessions, comes_from_lesson=comes_from_lesson)
+        )
 
     @property
     def has_kept_nothing(self) -> bool:
-        """True if sessions are saved here but none exists yet: a new user."""
+        """True if no session exists yet: a new user."""
         from rl_tui.live.sessions.session import files_in
 
         return self.sessions is not None and not files_in(self.sessions)
 
-    def playground(
-        self, look: Look, recipe: Recipe, *, watches: bool = False, is_gradual: bool = False
-    ) -> Playground:
-        """Return the playground of a new run. With ``watches`` it runs automatically.
+    def playground(self, recipe: Recipe, *, watches: bool = False, is_gradual: bool = False) -> Playground:
+        """Make a new run's playground. With ``watches`` it runs automatically.
 
         If it ``is_gradual`` or watches, panels appear one by one.
         """
-        from rl_tui.live.pace.pacing import START_SPEED
         from rl_tui.live.sessions.autosave import Autosave, untouched
 
         autosave = None if self.sessions is None else Autosave(untouched(recipe), self.sessions)
-        gradual = watches or is_gradual
-        return self._playground(
-            look, recipe, autosave, None, START_SPEED, watches=watches, is_gradual=gradual
-        )
+        return self._playground(recipe, autosave, watches=watches, is_gradual=watches or is_gradual)
 
-    def next_playground(self, look: Look, recipe: Recipe) -> Playground:
-        """Return the playground of a run that replaces the newest one."""
+    def next_playground(self, recipe: Recipe) -> Playground:
+        """Make the playground that replaces the newest one."""
         from rl_tui.live.commands import HideAnswer
 
-        stays_hidden = self._wanted is not None and self._wanted.was_hidden_by_person
-        playground = self.playground(look, recipe)
-        if stays_hidden:
+        before, playground = self._wanted, self.playground(recipe)
+        if before is not None and before.was_hidden_by_person:
             playground.send(HideAnswer(is_hidden=True))
         return playground
 
-    def first_screen(self, look: Look, start: Start) -> ActionScreen:
-        """Return the screen for ``start``.
+    def first_screen(self, start: Start) -> ActionScreen:
+        """Make the screen for ``start``.
 
         Raises:
-            UserError: The run of a lesson cannot be made.
+            UserError: A lesson's run cannot be made.
         """
         if start is None:
-            return self.catalogue(look)
+            return self.catalogue()
         if isinstance(start, Place):
-            return self.lessons(look)
+            return self.lessons()
         if isinstance(start, Recipe):
-            return self.playground(look, start)
+            return self.playground(start)
         if isinstance(start, DrawingStart):
-            playground = self.playground(look, start.recipe)
+            playground = self.playground(start.recipe)
             for key in DRAW_PATH:
                 playground.early_keys.add(key)
             return playground
@@ -176,50 +139,48 @@ class Opener:
         from rl_tui.live.sessions.session import StoredSession
 
         if isinstance(start, StoredSession):
-            return self.resumed(look, start, start.record())
-        return self.lesson(look, start) if isinstance(start, LessonStart) else self.watching(look, start)
+            return self.resumed(start, start.record())
+        return self.lesson(start) if isinstance(start, LessonStart) else self.watching(start)
 
-    def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
-        """Return the playground that resumes ``session``, whose contents are ``record``."""
+    def resumed(self, session: StoredSession, record: Record) -> Playground:
+        """Make the playground that resumes ``session``."""
         from rl_tui.live.sessions.autosave import Autosave
 
         autosave = None if self.sessions is None else Autosave(record, self.sessions, session)
         recipe = record.lanes[record.shown].recipe
-        playground = self._playground(look, recipe, autosave, record, record.speed, session)
+        playground = self._playground(recipe, autosave, record, session)
         playground.wanted.was_hidden_by_person = record.answer_is_hidden is True
         return playground
 
-    def lesson(self, look: Look, start: LessonStart) -> Playground:
-        """Return the playground of a lesson, with the run of its open page.
+    def lesson(self, start: LessonStart) -> Playground:
+        """Make the playground of a lesson's open page.
 
         Raises:
-            UserError: That run cannot be made.
+            UserError: Its run cannot be made.
         """
         from rl_tui.live.sessions.autosave import Autosave
 
         record = beginning_of(start.record)
         autosave = None if self.sessions is None else Autosave(record, self.sessions, start.session)
-        return self._playground(look, record.lanes[0].recipe, autosave, record, record.speed)
+        return self._playground(record.lanes[0].recipe, autosave, record)
 
-    def other_setup(self, look: Look, record: Record) -> Playground:
-        """Return the playground of another setup of the same lesson, begun by ``record``."""
+    def other_setup(self, record: Record) -> Playground:
+        """Make another setup's playground."""
         if self.autosave is not None:
             self.autosave.hand_over(record)
-        return self._playground(look, record.lanes[0].recipe, self.autosave, record, record.speed)
+        return self._playground(record.lanes[0].recipe, self.autosave, record)
 
-    def watching(self, look: Look, program: WatchedProgram) -> Playground:
-        """Return the playground in which ``program`` takes the steps, without a session."""
-        from rl_tui.live.pace.pacing import START_SPEED
+    def watching(self, program: WatchedProgram) -> Playground:
+        """Make a program's playground, without a session."""
         from rl_tui.live.program_playback import ProgramPlayback
         from rl_tui.live.program_run import usual_recipe
 
         recipe = usual_recipe(program.world, program.request.seed)
-        make_playback = partial(ProgramPlayback, program)
-        return self._playground(look, recipe, None, None, START_SPEED, make_playback=make_playback)
+        return self._playground(recipe, None, make_playback=partial(ProgramPlayback, program))
 
     @property
     def kept(self) -> KeptSession | None:
-        """The last session on disk, or None."""
+        """The last session on disk, if any."""
         for autosave in (self.autosave, self._earlier):
             if autosave is not None and (kept := autosave.kept) is not None:
                 return kept
@@ -232,19 +193,19 @@ class Opener:
 
     def _playground(
         self,
-        look: Look,
         recipe: Recipe,
         autosave: Autosave | None,
-        record: Record | None,
-        speed: float | None,
+        record: Record | None = None,
         resumed: StoredSession | None = None,
         *,
         watches: bool = False,
         is_gradual: bool = False,
         make_playback: MakePlayback | None = None,
     ) -> Playground:
+        from rl_tui.live.pace.pacing import START_SPEED
+        from rl_tui.live.player import Player
         from rl_tui.screen.frame.legend_switch import LegendSwitch
-        from rl_tui.screen.frame.shape import expected_shape
+        from rl_tui.screen.frame.shape import Shape
         from rl_tui.screen.playground.disclosure import FIRST_PANELS, panels_in_view
         from rl_tui.screen.playground.playground import Playground
 
@@ -259,24 +220,28 @@ class Opener:
             self.legends.shows_all_panels &= self.display.panels in (None, "all")
         self.legends.names_all_keys |= not self.has_kept_nothing
         so_far = FIRST_PANELS if wanted == "few" else None if wanted == "all" else wanted
-        sink = None if autosave is None else autosave.sink
-        self.player = self.make_player(recipe, record_sink=sink, record=record, make_playback=make_playback)
-        shape = expected_shape(
-            recipe.scenario.section,
+        self.player = (self.make_player or Player)(
+            recipe,
+            record=record,
+            record_sink=None if autosave is None else autosave.sink,
+            make_playback=make_playback,
+        )
+        shape = Shape(
+            drawing=recipe.scenario.section.sketch(),
             lanes=record is not None and len(record.lanes) > 1,
             is_program=make_playback is not None,
-            page=None if lesson is None else lesson.lesson.page(lesson.page),
+            has_lesson=lesson is not None,
+            reads=lesson is not None,
+            spotlight=None if lesson is None else lesson.lesson.page(lesson.page).spotlight,
             is_fresh=record is None or not record.lanes[record.shown].step,
             shown=panels_in_view(lesson, so_far, shows_all=self.legends.shows_all_panels),
         )
-        screen = Playground.with_keys_of(self.panels)
-        playground = screen(
-            look,
+        playground = Playground(
+            self.look(),
             recipe,
             self.player,
             self.display.fps,
-            speed,
-            self.panels,
+            START_SPEED if record is None else record.speed,
             autosave,
             resumed,
             lesson,
@@ -288,13 +253,16 @@ class Opener:
             is_big=self.display.is_big and lesson is None,
         )
         self._wanted = playground.wanted
+        return self._placed(playground)
+
+    def _placed(self, screen: OwnScreen) -> OwnScreen:
         if self.kiosk:
-            playground.place |= Place.KIOSK
-        return playground
+            screen.place |= Place.KIOSK
+        return screen
 
 
 def beginning_of(lesson: LessonRecord) -> Record:
-    """Return the record of the setup of the open page of ``lesson``, before its first step.
+    """Return the record of the open page's setup before its first step.
 
     Raises:
         UserError: Its scenario cannot be found or played, or a setting does not fit.

@@ -1,11 +1,10 @@
-"""The settings map: each cell shows a metric for one combination of two settings."""
+"""A metric for combinations of two settings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, Final, NamedTuple
+from typing import ClassVar, Final
 
 from rich.cells import cell_len
 from rich.style import Style
@@ -22,15 +21,14 @@ from rl_tui.common.words import counted
 from rl_tui.runs.background.background import Background
 from rl_tui.runs.measures import Measure
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, centred
-from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.atlas.cells import CellGrid
 from rl_tui.studies.atlas.figures import Atlas, AtlasState
-from rl_tui.studies.atlas.request import WORK, AtlasRequest, surroundings
+from rl_tui.studies.atlas.request import WORK, AtlasRequest
 from rl_tui.studies.sweeps.cell import JUDGED_BY, MEASURES
 from rl_tui.studies.sweeps.cells.variation import Variation
 
@@ -39,14 +37,15 @@ from rl_tui.studies.sweeps.cells.variation import Variation
 
 MOST_FIELD: Final = 11
 LEAST_FIELD: Final = 5
-_MARKS: Final = 1
+_ROOM: Final = 6
+_LEAST_ROOM: Final = 4
 _TALL: Final = 3
 BEST, TIED, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
 
 
 @dataclass(frozen=True, slots=True)
 class AtlasScene:
-    """Everything to draw. ``in_force`` is the cell of the run on screen."""
+    """Everything to draw. ``in_force``: the cell of the run on screen."""
 
     look: Look
     cells: CellGrid
@@ -57,18 +56,18 @@ class AtlasScene:
 
     @property
     def axes(self) -> tuple[Variation | None, Variation]:
-        """The setting that varies upwards, or None, and the one to the right."""
+        """The setting that varies upwards, if any, and the one to the right."""
         *upwards, across = self.cells.variations
         return upwards[0] if upwards else None, across
 
     def value(self, index: int) -> float | None:
-        """Return the mean in a cell, or None."""
+        """Return a cell's mean, if any."""
         cell = self.atlas.cells.get(index)
         return None if cell is None else cell.value(self.measure)
 
     @property
     def ends(self) -> tuple[float, float] | None:
-        """The worst and the best mean, or the least and the greatest."""
+        """The worst and best, or least and greatest mean."""
         found = [each for each in map(self.value, range(self.cells.count)) if each is not None]
         if not found:
             return None
@@ -76,7 +75,7 @@ class AtlasScene:
         return (high, low) if self.measure.larger_is_better is False else (low, high)
 
     def style(self, index: int) -> Style:
-        """Return the style of a cell: from worst to best by its mean."""
+        """Return a style from worst to best."""
         palette, value, ends = self.look.palette, self.value(index), self.ends
         if value is None or ends is None:
             return palette.unvisited if index not in self.atlas.impossible else palette.dim
@@ -84,7 +83,7 @@ class AtlasScene:
         return palette.value(1.0 if worst == best else (value - worst) / (best - worst))
 
     def text(self, index: int, width: int) -> str:
-        """Return the text of a cell in at most ``width`` characters."""
+        """Write a cell in ``width`` characters."""
         value, cell = self.value(index), self.atlas.cells.get(index)
         if value is not None:
             return numbers.value(value, width, self.look.glyphs)
@@ -94,94 +93,93 @@ class AtlasScene:
         return FAILED[:width] if has_failed else to_ascii(NOT_DONE, self.look.glyphs)
 
     def mark(self, index: int) -> str:
-        """Return the mark after a number: best, or tied with the best."""
+        """Mark what is best, or tied with the best."""
         standings = self.atlas.standings.get(self.measure.id)
         if standings is None or index not in standings.alike:
             return " "
         return BEST if index == standings.best else TIED
 
 
-class MapPlan(NamedTuple):
-    """The cells on screen: ``label`` columns of names, ``field`` × ``tall`` per cell."""
+class MapPicture:
+    """The map of ``scene``.
 
-    scene: AtlasScene
-    width: int
-    height: int
-    label: int
-    field: int
-    tall: int
-    rows: int
-    columns: int
+    ``label`` columns of names, ``field`` × ``tall`` per cell.
+    """
+
+    def __init__(self, scene: AtlasScene, width: int, height: int) -> None:
+        self.scene, self.width, self.height = scene, width, height
+        upwards, across = scene.axes
+        self.rows, self.columns = 1 if upwards is None else upwards.count, across.count
+        names = [] if upwards is None else [value_name(upwards, row) for row in range(self.rows)]
+        self.label = max(map(cell_len, names), default=0) + 1
+        self.field = max(LEAST_FIELD, min(MOST_FIELD, (width - self.label) // across.count))
+        self.tall = max(1, min(_TALL, (height - 2) // self.rows))  # two lines are for names
 
     def place(self, index: int) -> tuple[int, int]:
-        """Return x and y of a cell, with high values above."""
+        """Return x and y, with high values above."""
         row, column = divmod(index, self.columns)
         return self.label + column * self.field, 1 + (self.rows - 1 - row) * self.tall
 
     def cell_at(self, x: int, y: int) -> int | None:
-        """Return the cell at ``x``, ``y``, or None."""
+        """Return the cell here, or None."""
         column, row = (x - self.label) // self.field, (y - 1) // self.tall
         if x < self.label or y < 1 or column >= self.columns or row >= self.rows:
             return None
         return (self.rows - 1 - row) * self.columns + column
 
+    @property
+    def _room(self) -> int:
+        return min(_ROOM, max(self.field - 2, _LEAST_ROOM))
 
-def plan_of(scene: AtlasScene, width: int, height: int) -> MapPlan:
-    """Return the plan of ``scene``, with two lines for names."""
-    upwards, across = scene.axes
-    rows = 1 if upwards is None else upwards.count
-    names = [] if upwards is None else [value_name(upwards, row) for row in range(rows)]
-    label = max(map(cell_len, names), default=0) + 1
-    field = max(LEAST_FIELD, min(MOST_FIELD, (width - label) // across.count))
-    return MapPlan(
-        scene, width, height, label, field, max(1, min(_TALL, (height - 2) // rows)), rows, across.count
-    )
+    def drawn(self) -> Canvas:
+        """Draw the map."""
+        scene, palette = self.scene, self.scene.look.palette
+        canvas = Canvas(self.width, self.height, palette.text)
+        upwards, across = scene.axes
+        current, names = scene.cells.places(scene.in_force), f"{setting_name(across)} →"
+        for index in range(scene.cells.count):
+            self._draw_cell(canvas, index)
+        if upwards is not None:
+            names = f"{setting_name(upwards)} ↑  {names}"
+            for row in range(self.rows):
+                y = self.place(row * self.columns)[1] + (self.tall - 1) // 2
+                style = palette.strong if row == current[0] else palette.dim
+                canvas.put(0, y, f"{value_name(upwards, row):>{self.label - 1}}", style)
+        canvas.put(0, 0, to_ascii(names, scene.look.glyphs), palette.dim)
+        for column in range(self.columns):
+            style = palette.strong if column == current[-1] else palette.dim
+            text = centred(value_name(across, column), self.field)
+            canvas.put(self.place(column)[0], 1 + self.rows * self.tall, text, style)
+        return canvas
+
+    def _draw_cell(self, canvas: Canvas, index: int) -> None:
+        scene = self.scene
+        left, top = self.place(index)
+        style = scene.style(index)
+        for line in range(self.tall):
+            canvas.put(left, top + line, " " * self.field, style)
+        text = f"{scene.text(index, self._room)}{scene.mark(index)}"
+        if index == scene.in_force:
+            text = bracketed(text, self.field)
+        canvas.put(left, top + (self.tall - 1) // 2, centred(text, self.field), style)
+        for line in range(self.tall if index == scene.cursor else 0):
+            canvas.restyle(left, top + line, self.field, scene.look.palette.agent)
 
 
-def draw_map(plan: MapPlan) -> Canvas:
-    """Return the map: names and values around it, a cell for each combination."""
-    scene, palette = plan.scene, plan.scene.look.palette
-    canvas = Canvas(plan.width, plan.height, palette.text)
-    upwards, across = scene.axes
-    current, names = scene.cells.places(scene.in_force), f"{setting_name(across)} →"
-    for index in range(scene.cells.count):
-        _draw_cell(canvas, plan, index)
-    if upwards is not None:
-        names = f"{setting_name(upwards)} ↑  {names}"
-        for row in range(plan.rows):
-            y = plan.place(row * plan.columns)[1] + (plan.tall - 1) // 2
-            style = palette.strong if row == current[0] else palette.dim
-            canvas.put(0, y, f"{value_name(upwards, row):>{plan.label - 1}}", style)
-    canvas.put(0, 0, to_ascii(names, scene.look.glyphs), palette.dim)
-    for column in range(plan.columns):
-        style = palette.strong if column == current[-1] else palette.dim
-        text = centred(value_name(across, column), plan.field)
-        canvas.put(plan.place(column)[0], 1 + plan.rows * plan.tall, text, style)
-    return canvas
-
-
-def _draw_cell(canvas: Canvas, plan: MapPlan, index: int) -> None:
-    scene = plan.scene
-    left, top = plan.place(index)
-    style = scene.style(index)
-    for line in range(plan.tall):
-        canvas.put(left, top + line, " " * plan.field, style)
-    brackets = ("[", "]") if index == scene.in_force else ("", "")
-    room = plan.field - _MARKS - (sum(map(len, brackets)) or _MARKS)
-    text = f"{brackets[0]}{scene.text(index, room)}{scene.mark(index)}{brackets[1]}"
-    canvas.put(left, top + (plan.tall - 1) // 2, centred(text, plan.field), style)
-    for line in range(plan.tall if index == scene.cursor else 0):
-        canvas.restyle(left, top + line, plan.field, scene.look.palette.agent)
+def bracketed(text: str, width: int) -> str:
+    """Put ``text`` in brackets if it fits."""
+    whole = f"[{text}]" if len(text) + 2 <= width else f"[{text.strip()}]"
+    return whole if len(whole) <= width else text
 
 
 def setting_name(variation: Variation) -> str:
-    """Return the symbol of a setting, or its name if it has none."""
+    """Return a setting's symbol, or its name."""
     parameter = PARAMETERS.get(variation.name)
     return variation.name if parameter is None else parameter.symbol
 
 
 def value_name(variation: Variation, place: int) -> str:
-    """Return a value of a setting as people write it: ``0.1``."""
+    """Write a value as people do: ``0.1``."""
     value = variation.value(place)
     return value if isinstance(value, str) else f"{value:.4g}"
 
@@ -190,7 +188,7 @@ def value_name(variation: Variation, place: int) -> str:
 
 
 class AtlasMap(Widget, can_focus=True):
-    """The picture of ``scene``. Arrows and clicks move its cursor."""
+    """The picture of ``scene``, with a cursor."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "move(0, -1)", "left", show=False),
@@ -221,22 +219,22 @@ class AtlasMap(Widget, can_focus=True):
         self._strips = []
 
     def render_line(self, y: int) -> Strip:
-        """Return line ``y`` of the map."""
+        """Return one line."""
         width, height = self.size
         if not self._strips:
-            self._strips = draw_map(plan_of(self.scene, width, height)).strips()
+            self._strips = MapPicture(self.scene, width, height).drawn().strips()
         strip = self._strips[y] if y < len(self._strips) else Strip.blank(width)
         return strip.apply_style(self.rich_style)
 
     def action_move(self, rows: int, columns: int) -> None:
-        """Move the cursor up and to the right, within the map."""
+        """Move up and to the right, within the map."""
         axes = len(self.scene.cells.variations)
         steps = {axes - 1: columns} | ({0: rows} if axes > 1 else {})
         self.post_message(self.CellPointed(self.scene.cells.moved(self.scene.cursor, steps)))
 
     def on_click(self, event: Click) -> None:
         """Move the cursor to the click."""
-        cell = plan_of(self.scene, *self.size).cell_at(event.x, event.y)
+        cell = MapPicture(self.scene, *self.size).cell_at(event.x, event.y)
         if cell is not None:
             self.post_message(self.CellPointed(cell))
 
@@ -244,18 +242,15 @@ class AtlasMap(Widget, can_focus=True):
 # Text above and below
 
 
-_ROOM: Final = 6
-
-
 def head(scene: AtlasScene, runs: int, how_long: str = "") -> str:
-    """Return a line about the cells, the progress and the time left."""
+    """Describe cells, progress and time left."""
     atlas = scene.atlas
     each = "" if atlas.episodes is None else f" of {counted(atlas.episodes, 'episode')}"
-    return f"each cell: mean of {counted(runs, 'seed')}{each}; {progress(atlas, how_long)}"
+    return f"mean of {counted(runs, 'seed')}{each}; {progress(atlas, how_long)}"
 
 
 def progress(atlas: Atlas, how_long: str) -> str:
-    """Return the progress and ``how_long`` the rest takes, or the result."""
+    """Describe progress and remaining time, or the result."""
     done = f"{atlas.done:,} of {counted(atlas.planned, 'run')}"
     if atlas.state is AtlasState.FAILED:
         return f"failed: {atlas.message}"
@@ -269,7 +264,7 @@ def progress(atlas: Atlas, how_long: str) -> str:
 
 
 def legend(scene: AtlasScene) -> str:
-    """Return what colours and marks mean."""
+    """Describe colours and marks."""
     glyphs, ends = scene.look.glyphs, scene.ends
     if ends is None:
         return ""
@@ -280,7 +275,7 @@ def legend(scene: AtlasScene) -> str:
 
 
 def cell_line(scene: AtlasScene) -> str:
-    """Return the settings and results of the cell under the cursor."""
+    """Describe the cell under the cursor."""
     places = scene.cells.places(scene.cursor)
     settings = "  ".join(
         f"{setting_name(each)} {value_name(each, place)}"
@@ -319,7 +314,7 @@ def _figures(scene: AtlasScene) -> str:
 # The dialog
 
 
-_KEYS: Final = "m: metric   n: next seed   enter: open seed {}   esc: close"
+_KEYS: Final = "m: metric   n: seed   enter: open seed {}   esc: close"
 _NEWS_EVERY: Final = 0.1  # seconds
 
 
@@ -350,9 +345,9 @@ class AtlasDialog(Dialog[Recipe]):
         )
 
     def compose(self) -> ComposeResult:
-        """Yield the metric, the map, and a line about the current cell."""
+        """Yield metric, map and line."""
         names = " × ".join(map(setting_name, self._request.variations))
-        with self.box(to_ascii(f"Settings map · {names}", self._look.glyphs), ""):
+        with self.box(separated(f"Settings map · {names}", self._look.glyphs), ""):
             yield Static(id="measure", markup=False)
             yield Static(id="head", classes="hint", markup=False)
             yield AtlasMap(self._scene)
@@ -413,7 +408,7 @@ class AtlasDialog(Dialog[Recipe]):
         self._change(cursor=event.cell)
 
     def action_measure(self) -> None:
-        """Show the next metric that any cell has."""
+        """Show the next known metric."""
         there = [
             each
             for each in MEASURES.values()
@@ -423,24 +418,13 @@ class AtlasDialog(Dialog[Recipe]):
         self._change(measure=there[(there.index(self._scene.measure) + 1) % len(there)])
 
     def action_seed(self) -> None:
-        """Make enter open the run of the next seed."""
+        """Make enter open the next seed."""
         self._seed = (self._seed + 1) % self._request.runs
         self._show()
 
     def action_open(self) -> None:
-        """Answer the run of the cell under the cursor."""
+        """Answer the cell's run."""
         if self._scene.cursor in self._scene.atlas.impossible:
             self.app.bell()
             return
         self.dismiss(self._request.recipe_of(self._scene.cursor, self._request.seeds[self._seed]))
-
-
-# Opening the map
-
-
-def open_atlas(subject: Subject, take: Callable[[Recipe], None]) -> None:
-    """Open a map around the settings of ``subject``. ``take`` opens the chosen run."""
-    if subject.snapshot is not None:
-        is_awaited = not subject.link.player.is_automatic
-        request = surroundings(subject.link.wanted.recipe, subject.snapshot.world, is_awaited=is_awaited)
-        subject.ask(AtlasDialog(subject.screen.look, request), take)

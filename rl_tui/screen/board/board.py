@@ -1,9 +1,9 @@
-"""The board: the panels of the playground and their arrangement."""
+"""The panels of the playground."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final, TypeVar
 
@@ -11,23 +11,21 @@ import numpy as np
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.geometry import Size
 from textual.layout import Layout
 from textual.message import Message
 from textual.widget import Widget
 
-from rl_tui.lessons.file.view import LessonView
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.viewport import Viewport
-from rl_tui.screen.board.board_layout import BoardLayout
+from rl_tui.screen.board.board_layout import BoardLayout, LessonPlace
 from rl_tui.screen.board.lane_pair import LanePair
 from rl_tui.screen.board.wanted import Wanted
 from rl_tui.screen.frame.legend_switch import LegendSwitch
-from rl_tui.screen.frame.shape import Shape, docks_lesson
+from rl_tui.screen.frame.shape import Shape
 from rl_tui.screen.kit.counterparts import pairs_in
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import BoardPanel
-from rl_tui.screen.kit.pointing import Moved, Pointed
+from rl_tui.screen.kit.pointing import NOWHERE, Moved, Pointed
 from rl_tui.screen.kit.row import (
     CAPTION,
     CONTROLS,
@@ -37,23 +35,25 @@ from rl_tui.screen.kit.row import (
     LAST_STEP,
     LESSON,
     MICROSCOPE,
+    MODEL,
     POLICIES,
     TABLE,
     TIMELINE,
     WORLD,
-    PanelRow,
     beside,
 )
 from rl_tui.screen.kit.snapshot_facts import as_learned, is_secret
 from rl_tui.screen.panels.caption import CaptionLine
+from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.controls import Controls
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.discount import DiscountPanel
 from rl_tui.screen.panels.draw_panel import DrawPanel
-from rl_tui.screen.panels.lesson.lesson import LessonPanel, Spotlight
+from rl_tui.screen.panels.lesson.lesson import LessonPanel
 from rl_tui.screen.panels.lesson.words import open_page
 from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.screen.panels.model import ModelPanel
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.panels.timeline import HINTS, TimelineBar
@@ -61,109 +61,26 @@ from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.screen.theme.look import Look
 
-
-class LessonPlace:
-    """The lesson ``panel`` on the ``board``, next to the world or in turn with it."""
-
-    def __init__(self, board: Board, panel: LessonPanel, arrangement: BoardLayout) -> None:
-        self.panel = panel
-        self._board = board
-        self._arrangement = arrangement
-        self._focused_before: Widget | None = None
-        self._spotlit: str | None = None
-
-    @property
-    def is_docked(self) -> bool:
-        """True if the page is next to the world."""
-        size, layout = self._board.screen.size, self._arrangement
-        return not layout.is_big and docks_lesson(size, layout.in_view(size))
-
-    @property
-    def is_in_view(self) -> bool:
-        """True if the whole page is in view, not only its row."""
-        return self._arrangement.has_page(self._board.screen.size)
-
-    @property
-    def reads(self) -> bool:
-        """True if the page takes the place of the world when both do not fit."""
-        return self._arrangement.shape.reads and not self._arrangement.is_big
-
-    @reads.setter
-    def reads(self, reads: bool) -> None:
-        if reads == self.reads:
-            return
-        if self._arrangement.is_big:
-            self._board.zoom(None)
-        self._board.reshape(reads=reads)
-        self._board.post_message(self._board.Toggled())
-        if not self.is_docked:
-            (self.focus if reads else self.leave)()
-
-    def focus(self) -> None:
-        """Focus the page."""
-        if self._board.screen.focused is not self.panel:
-            self._focused_before = self._board.screen.focused
-            self.panel.focus()
-
-    def leave(self) -> None:
-        """Return the focus to the widget that had it before."""
-        if self._board.screen.focused is self.panel:
-            before, self._focused_before = self._focused_before, None
-            self._board.screen.set_focus(before if before is not None and before.is_attached else None)
-
-    def place(self, lesson: LessonView, size: Size) -> None:
-        """Tell the panels how page and world share the board, before a page is drawn."""
-        self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), "-row")
-        self.panel.takes_turns = self.reads and not self.is_docked
-        if self.panel.takes_turns:
-            self.focus()
-        self._point_at(open_page(lesson.record).spotlight, size)
-
-    def _point_at(self, wanted: str | None, size: Size) -> None:
-        row = None if wanted is None else self._board.rows.get(wanted)
-        spotlit = None if row is None else row.id
-        for panel, is_spotlit in ((self._spotlit, False), (spotlit, True)):
-            if panel is not None and spotlit != self._spotlit:
-                widget = self._board.panel(panel)
-                widget.is_spotlit = is_spotlit
-                widget.set_class(is_spotlit, "-spotlit")
-                widget.redraw()
-        self._spotlit = spotlit
-        self.panel.spotlight = None
-        if row is not None:
-            key = "" if row.opened_by is None else row.opened_by.key
-            if self.reads and self._arrangement.has_place(row.id, size):
-                key = "esc"
-            is_seen = row.id in self._arrangement.regions(size, self._arrangement.zoomed)
-            self.panel.spotlight = Spotlight(row.title, is_seen, key)
-
-
-# The board
-
-
 Kind = TypeVar("Kind", bound=BoardPanel)
 _LEAST_WITH_HEADING: Final = {LAST_STEP: 5}  # rows
 _LEAST_WITH_KEYS: Final = 7
 
 
 class Board(Container):
-    """One widget per row of ``panels``, with the same id.
+    """One widget per row of the panel table, with the same id.
 
-    One panel may be in full screen, and one with its own key may be open. If two runs are side by side, a
-    twofold row has a second widget at the right. ``world`` and ``table`` show the controlled run. With
-    ``keeps_focus`` an opened panel does not take the focus from the world.
+    With two runs, a twofold row has a second widget at the right. ``world`` and ``table`` show the controlled
+    run. With ``keeps_focus`` an opened panel does not take the focus from the world.
     """
 
     class Toggled(Message):
-        """A panel was opened, closed, or its full screen began or ended."""
+        """A panel or its full screen was toggled."""
 
-    def __init__(
-        self, look: Look, wanted: Wanted, legends: LegendSwitch, shape: Shape, panels: Sequence[PanelRow]
-    ) -> None:
+    def __init__(self, look: Look, wanted: Wanted, legends: LegendSwitch, shape: Shape) -> None:
         super().__init__(id="board")
         self.look = look
-        self.legends, self.rows = legends, {row.id: row for row in panels}
-        self._panels = {row.id: row.make(look) for row in panels}
+        self.legends, self.rows = legends, {row.id: row for row in PANELS}
+        self._panels = {row.id: row.make(look) for row in PANELS}
         self._pair = LanePair(self._panels, look)
         self.table = self._made(TABLE, QTable)
         """The table of the controlled run."""
@@ -179,13 +96,15 @@ class Board(Container):
         self.controls.begin_with(wanted.recipe)
         self.microscope = self._made(MICROSCOPE, Microscope)
         self.discount = self._made(DISCOUNT, DiscountPanel)
+        self.model = self._made(MODEL, ModelPanel)
         self.tools = self._made(DRAW, DrawPanel)
         self._wanted = wanted
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
-        self._arrangement = BoardLayout(shape, panels)
+        self._arrangement = BoardLayout(shape)
         self.lesson = LessonPlace(self, self._made(LESSON, LessonPanel), self._arrangement)
         self._snapshot: Snapshot | None = None
+        self._about = NOWHERE  # pairs that the open panel is about
         self._mounting = asyncio.Lock()
         self.apply_switches()
 
@@ -195,7 +114,7 @@ class Board(Container):
         return made
 
     def compose(self) -> ComposeResult:
-        """Yield the panels in the order of the tab key."""
+        """Yield the panels in tab order."""
         yield from self._panels.values()
 
     def panel(self, panel: str) -> BoardPanel:
@@ -203,7 +122,7 @@ class Board(Container):
         return self._panels[panel]
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``, with settings at their wanted values."""
+        """Draw ``snapshot``, with wanted settings."""
         self._snapshot = snapshot
         if self.world is None:
             view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
@@ -246,17 +165,20 @@ class Board(Container):
                 panel.show(learned if isinstance(panel, WorldView | QTable) else snapshot)
         if pair:
             self._pair.show(learned)
+        if self._subject_in(snapshot) != self._about:
+            self._point_at(NOWHERE)
 
     def reshape(self, **changes: Any) -> None:
-        """Arrange the panels again if one of ``changes`` to the shape is new."""
+        """Arrange the panels again if the shape changes."""
         shape = replace(self._arrangement.shape, **changes)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
             self._arrange_again()
 
     def _take_lead(self, snapshot: Snapshot) -> None:
-        world = self.world
-        is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.screen.size)
+        world, layout = self.world, self._arrangement
+        lanes = snapshot.beside is not None and layout.shape.lanes
+        is_pair = lanes and beside(WORLD) in layout.regions(self.screen.size, None)
         if not self._pair.take_lead(snapshot, is_shown=is_pair):
             return
         self.table = self._made(self._pair.led(TABLE), QTable)
@@ -276,7 +198,7 @@ class Board(Container):
                 self._arrange_again()
 
     def turn_lanes(self) -> None:
-        """Switch between one run and two side by side, if they fit."""
+        """Switch between one and two runs, if they fit."""
         self.is_one_lane = self.is_paired
         if self._snapshot is not None:
             self.show(self._snapshot)
@@ -287,7 +209,7 @@ class Board(Container):
         return self._pair.is_shown
 
     def on_resize(self) -> None:
-        """Adapt runs and lesson to the new size."""
+        """Adapt runs and lesson."""
         self._arrange_again()  # the last arrangement may have been for another size
         snapshot = self._snapshot
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
@@ -302,11 +224,11 @@ class Board(Container):
                 panel.redraw()
 
     def on_qtable_layer_chosen(self, event: QTable.LayerChosen) -> None:
-        """Show the layer whose name was clicked."""
+        """Show the clicked layer."""
         self.show_layer(event.layer)
 
     def apply_switches(self) -> None:
-        """Apply the switches of legends and cells to every panel, including twins."""
+        """Apply legends and cells to every panel."""
         legends = self.legends
         for panel in self._panels.values():
             panel.is_explained = legends.is_on
@@ -329,14 +251,14 @@ class Board(Container):
                     yield pair.twins[row.id]
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """Show the keys of the timeline on the curve above it."""
+        """Show the timeline's keys on the curve."""
         self.curve.hints = HINTS if event.widget is self.timeline else ()
         if not isinstance(event.widget, Slider):
             self._focused_beside_sliders = event.widget
         self._pair.follow_focus()
 
     def leave_slider(self) -> None:
-        """Return the focus to the panel that had it before the sliders."""
+        """Return the focus from the sliders."""
         before = self._focused_beside_sliders
         self.screen.set_focus(before if before in self.screen.focus_chain else None)
 
@@ -345,47 +267,58 @@ class Board(Container):
         self.curve.hints = ()
 
     def on_pointed(self, event: Pointed) -> None:
-        """Show the cursor of a world or table in all others."""
+        """Show the cursor in all other panels."""
         self._pair.align(event.panel)
-        source = event.panel.snapshot if isinstance(event.panel, QTable | WorldView) else None
-        for panel in self._panels.values():
-            if isinstance(panel, QTable | WorldView) and panel is not event.panel:
-                if source is None or panel.snapshot is None:
-                    panel.point_at(event.pairs)
-                else:
-                    panel.point_at(pairs_in(event.pairs, source.world, panel.snapshot.world))
         cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
         cursor = event.panel.cursor if isinstance(event.panel, WorldView) else cursor
         if event.pairs or cursor is None:  # a panel without focus still points
             self.discount.point_at(event.pairs)
+            self.model.point_at(event.pairs)
+        self._point_at(event.pairs, event.panel)
+
+    def _point_at(self, pairs: range, by: Widget | None = None) -> None:
+        source = by.snapshot if isinstance(by, QTable | WorldView) else self._snapshot
+        if source is None:
+            return
+        about = self._about = self._subject_in(source)
+        for panel in self._panels.values():
+            if isinstance(panel, QTable | WorldView):
+                world = (panel.snapshot or source).world
+                panel.subject = pairs_in(about, source.world, world)
+                if panel is not by:
+                    panel.point_at(pairs_in(pairs, source.world, world) or panel.subject)
+
+    def _subject_in(self, snapshot: Snapshot) -> range:
+        return NOWHERE if self.opened is None else self._panels[self.opened].subject_in(snapshot)
 
     def on_moved(self, event: Moved) -> None:
-        """Scroll the panel of the other run to the same part."""
+        """Scroll the other run's panel to the same part."""
         event.stop()
         self._pair.align(event.panel)
 
     @property
     def viewport(self) -> Viewport:
-        """The parts of a large world that are in view."""
-        return Viewport(self.world.cells if self.world else None, self.table.row_range)
+        """The visible parts of a large world."""
+        pair = self.model.pair if self.opened == MODEL else None
+        return Viewport(self.world.cells if self.world else None, self.table.row_range, pair)
 
     @property
     def is_complete(self) -> bool:
-        """True if the newest snapshot has everything in view."""
+        """True if the snapshot has everything in view."""
         return all(panel.is_complete for panel in self._shown() if self.shows(panel.id or ""))
 
     @property
     def shown(self) -> frozenset[str] | None:
-        """The ids of the panels in view, None for all."""
+        """The panels in view, None for all."""
         return self._arrangement.shape.shown
 
     @property
     def zoomed(self) -> str | None:
-        """The id of the panel in full screen, or None."""
+        """The panel in full screen."""
         return self._arrangement.zoomed
 
     def zoom(self, panel: str | None) -> None:
-        """Show ``panel`` in full screen, or all panels for None."""
+        """Show ``panel`` in full screen, or all for None."""
         self._arrangement.zoomed = panel
         self.caption.replaces_header = self.lesson.panel.replaces_header = self._arrangement.is_big
         self.screen.query_one(StatusLine).styles.height = 0 if self._arrangement.is_big else 1
@@ -394,7 +327,6 @@ class Board(Container):
         self.post_message(self.Toggled())
 
     def _keep_focus_in_view(self) -> None:
-        """Move the focus to the controlled run if its panel is out of view."""
         screen = self.screen
         focused, regions = screen.focused, self._arrangement.regions(screen.size, self.zoomed)
         panel = self.panel_of(focused)
@@ -408,11 +340,11 @@ class Board(Container):
 
     @property
     def opened(self) -> str | None:
-        """The id of the panel opened by its key, or None."""
+        """The panel opened by its key."""
         return self._arrangement.opened
 
     def why_not(self, deed: str) -> str:
-        """Return why the panel that ``deed`` opens has nothing to show, or ""."""
+        """Return why the opened panel has nothing to show."""
         panel, snapshot = deed.removeprefix("toggle('").removesuffix("')"), self._snapshot
         return "" if snapshot is None or self.opened == panel else self.rows[panel].lacks(snapshot)
 
@@ -430,7 +362,7 @@ class Board(Container):
             self._panels[panel].focus()
 
     def close(self) -> None:
-        """Close the open panel, and return the focus if it had it."""
+        """Close the open panel, and return its focus."""
         if self.opened is not None:
             had_focus = self._panels[self.opened].has_focus_within
             self._open(None)
@@ -443,10 +375,11 @@ class Board(Container):
             if each is not None:
                 self._panels[each].display = is_open
         self._arrangement.opened = panel
+        self.model.show_pair(self.table.cursor_pair)
         self.zoom(None)
 
     def bring_into_view(self, panel: str) -> None:
-        """Show ``panel`` of the controlled run, without full screen."""
+        """Show ``panel``, without full screen."""
         panel = self._pair.led(panel)
         self.lesson.reads = False
         if self.zoomed not in (None, panel):
@@ -455,11 +388,11 @@ class Board(Container):
             self.close()
 
     def shows(self, panel: str) -> bool:
-        """Return True if ``panel`` has a place on the screen."""
+        """Return whether ``panel`` has a place."""
         return panel in self._arrangement.placed
 
     def panel_of(self, widget: Widget | None) -> str:
-        """Return the id of the panel around ``widget``, by default the controlled world."""
+        """Return the panel around ``widget``, else the world."""
         for node in widget.ancestors_with_self if widget else ():
             if node.parent is self and node.id:
                 return node.id
@@ -467,7 +400,7 @@ class Board(Container):
 
     @property
     def layout(self) -> Layout:
-        """The arrangement, in place of one from CSS."""
+        """The arrangement, instead of CSS."""
         return self._arrangement
 
     def _dress(self) -> None:

@@ -1,9 +1,9 @@
-"""Frames of the playground, drawn only as fast as the terminal shows them."""
+"""Frames, drawn only as fast as the terminal shows them."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from time import monotonic
 from typing import Final
@@ -11,11 +11,12 @@ from typing import Final
 from textual.screen import Screen
 
 from rl_tui.common.errors import UserError
+from rl_tui.live.commands import LookAt
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.board.board import Board
 from rl_tui.screen.board.wanted import PlayerLink
 from rl_tui.screen.kit.snapshot_facts import lacks_exact
-from rl_tui.screen.terminal.linked_app import LinkedApp
+from rl_tui.screen.terminal.linked_app import LinkedApp, is_open
 
 # Pacing
 
@@ -32,7 +33,7 @@ async def _at_once() -> None:
 class Pacer:
     """A wait between frames, longer after slow ones and none after a key press.
 
-    ``fps`` is the most frames per second. ``arrived`` returns when the terminal shows everything sent.
+    ``fps``: most frames per second. ``arrived`` returns when the terminal shows everything sent.
     """
 
     def __init__(
@@ -55,23 +56,23 @@ class Pacer:
         self._hurry.set()
 
     def begin(self) -> None:
-        """Note the start of a frame."""
+        """Note a frame's start."""
         self._hurried = max(0, self._hurried - 1)
         if not self._hurried:
             self._hurry.clear()
         self._began = self._clock()
 
     def end(self) -> None:
-        """Note the end of a frame."""
+        """Note a frame's end."""
         self._cost = _MEMORY * self._cost + (1.0 - _MEMORY) * (self._clock() - self._began)
 
     @property
     def pause(self) -> float:
-        """Seconds until the next frame may start."""
+        """The seconds until the next frame."""
         return max(0.0, self._began + max(self._interval, _LOAD * self._cost) - self._clock())
 
     async def wait(self) -> None:
-        """Wait until the next frame is due, or :meth:`hurry` is called."""
+        """Wait for the next frame, or :meth:`hurry`."""
         waits = [asyncio.ensure_future(each) for each in (self._due(), self._hurry.wait())]
         try:
             await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
@@ -88,79 +89,53 @@ class Pacer:
 
 
 _ASKS_AGAIN: Final = 0.25  # seconds
+_MOST_PICTURES: Final = 100  # before giving up
 
 
 class Frames:
-    """The frames of ``screen``, each after the arrival of the last one."""
+    """Frames, each after the arrival of the last, and the wait for a complete picture.
 
-    def __init__(self, screen: Screen[None], fps: float) -> None:
+    ``named`` names the file of an error.
+    """
+
+    def __init__(
+        self,
+        screen: Screen[None],
+        fps: float,
+        link: PlayerLink,
+        board: Board,
+        named: Callable[[UserError], UserError],
+    ) -> None:
         self._screen = screen
         self.pacer = Pacer(fps, self._arrived)
+        self._link = link
+        self._board = board
+        self._named = named
+        self._framed = asyncio.Event()
+        self._is_over = False
 
-    @property
-    def is_here(self) -> bool:
-        """True if the screen is still in use."""
-        screen = self._screen
-        return screen.is_attached and screen.app.is_running and screen in screen.app.screen_stack
-
-    async def follow(
-        self,
-        snapshots: AsyncIterator[Snapshot],
-        draw: Callable[[Snapshot], None],
-        note_frame: Callable[[], None],
-    ) -> None:
-        """Draw each of ``snapshots``, and call ``note_frame`` after it."""
-        async for snapshot in snapshots:
-            if not self.is_here:
+    async def follow(self, draw: Callable[[Snapshot], None]) -> None:
+        """Draw each snapshot of the player."""
+        async for snapshot in self._link.player.snapshots():
+            if not is_open(self._screen):
                 return
             self.pacer.begin()
             draw(snapshot)
-            await self.painted()
+            await self._painted()
             self.pacer.end()
-            note_frame()
+            self._framed.set()
             await self.pacer.wait()
 
     async def _arrived(self) -> None:
         if isinstance(self._screen.app, LinkedApp):
             await self._screen.app.arrived()
 
-    async def painted(self) -> None:
-        """Wait until the drawing is on screen, or the screen is left."""
+    async def _painted(self) -> None:
         painted = asyncio.Event()
         # a dialog on top gets the request, and forgets it when it closes
         while not painted.is_set() and self._screen.call_after_refresh(painted.set):
             with suppress(TimeoutError):
                 await asyncio.wait_for(painted.wait(), _ASKS_AGAIN)
-
-
-# Waiting until everything is on screen, for pictures and tests
-
-
-_MOST_PICTURES: Final = 100  # before giving up
-
-
-class Settling:
-    """The wait for a picture that shows everything."""
-
-    def __init__(
-        self,
-        link: PlayerLink,
-        board: Board,
-        look_at: Callable[[], None],
-        named: Callable[[UserError], UserError],
-        painted: Callable[[], Awaitable[None]],
-    ) -> None:
-        self._link = link
-        self._board = board
-        self._look_at = look_at
-        self._named = named
-        self._painted = painted
-        self._framed = asyncio.Event()
-        self._is_over = False
-
-    def note_frame(self) -> None:
-        """Note that the newest snapshot is on screen."""
-        self._framed.set()
 
     def end(self) -> None:
         """Note that nothing more will be drawn."""
@@ -187,7 +162,7 @@ class Settling:
                 self._framed.clear()
                 await self._framed.wait()
             if not self._board.is_complete:
-                self._look_at()
+                self._link.send(LookAt(self._board.viewport))
 
     async def _carried_out(self) -> Snapshot:
         try:

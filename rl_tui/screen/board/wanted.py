@@ -1,4 +1,4 @@
-"""Requests to the player that the newest snapshot may not show yet."""
+"""Requests that the newest snapshot may not show yet."""
 
 from __future__ import annotations
 
@@ -6,16 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from rl_tui.lessons.file.view import LessonRecord
-from rl_tui.live.commands import (
-    LOOKING,
-    Apply,
-    Command,
-    HideAnswer,
-    KeepLesson,
-    Restart,
-    SetSpeed,
-    StudyPolicy,
-)
+from rl_tui.live import commands
 from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
@@ -24,10 +15,11 @@ from rl_tui.runs.timeline.lane_view import LaneView
 
 
 class Wanted:
-    """What commands have asked for, which snapshots may not show yet.
+    """The requests of commands, which snapshots may not show yet.
 
-    ``recipe`` includes every change made. ``step`` is the target of the timeline, None once reached.
-    ``last_deed`` is the value of ``sent`` at the last command that changes something.
+    ``recipe`` includes every change made. ``step``: target of the timeline, None once reached. ``sent``: the
+    number of commands, with those that drawing causes. ``last_deed``: the same at the last one that changes
+    something.
     """
 
     def __init__(self, recipe: Recipe, speed: float | None, lesson: LessonRecord | None = None) -> None:
@@ -41,34 +33,34 @@ class Wanted:
         self.sent = 0
         self.last_deed = 0
 
-    def note(self, command: Command) -> None:
-        """Take over the request of ``command``, which is being sent."""
+    def note(self, command: commands.Command) -> None:
+        """Take over a command's request."""
         self.sent += 1
-        if not isinstance(command, LOOKING):
+        if not isinstance(command, commands.LOOKING):
             self.last_deed = self.sent
         match command:
-            case SetSpeed(speed):
+            case commands.SetSpeed(speed):
                 self.speed = speed
-            case HideAnswer(is_hidden):
+            case commands.HideAnswer(is_hidden):
                 self.is_hidden = self.was_hidden_by_person = is_hidden
-            case StudyPolicy(kind):
+            case commands.StudyPolicy(kind):
                 self.studied = kind
-            case KeepLesson(lesson):
+            case commands.KeepLesson(lesson):
                 self.lesson = lesson
-            case Restart(recipe):
+            case commands.Restart(recipe):
                 self.recipe = recipe
-            case Apply(change) if isinstance(change, Setting):
+            case commands.Apply(change) if isinstance(change, Setting):
                 self.recipe = changed_recipe(self.recipe, change)
 
     def take_over(self, lane: LaneView) -> None:
-        """Make the current settings of ``lane`` the start of later changes."""
+        """Start later changes from a run's settings."""
         seed = self.recipe.seed if lane.past is None else lane.past.begun.seed
         self.recipe = replace(
             self.recipe, algorithm=lane.algorithm, hyperparameters=lane.hyperparameters, seed=seed
         )
 
     def reconcile(self, snapshot: Snapshot) -> None:
-        """Take over the current values once the player has handled every command."""
+        """Take over current values after all commands."""
         if self.is_taken_in(snapshot):
             self.recipe = in_force(snapshot)
             self.speed = snapshot.playback.speed
@@ -80,19 +72,19 @@ class Wanted:
             self.step = None
 
     def was_used(self, snapshot: Snapshot | None) -> bool:
-        """Return True if there is something to lose."""
+        """Return whether there is something to lose."""
         if snapshot is None:
             return False
         is_drawn = bool(snapshot.answers.drawn.choices or snapshot.world_changes)
         return snapshot.timeline.current.end > 0 or is_drawn or snapshot.playback.handled < self.last_deed
 
     def is_taken_in(self, snapshot: Snapshot) -> bool:
-        """Return True if ``snapshot`` comes after all commands."""
+        """Return whether ``snapshot`` comes after all commands."""
         return snapshot.playback.handled == self.sent
 
 
 def in_force(snapshot: Snapshot) -> Recipe:
-    """Return the recipe of the run on display with its current settings."""
+    """Return the shown run's recipe, with current settings."""
     return replace(
         snapshot.recipe, algorithm=snapshot.agent.algorithm, hyperparameters=snapshot.agent.hyperparameters
     )
@@ -102,21 +94,18 @@ def in_force(snapshot: Snapshot) -> Recipe:
 
 
 class PlayerLink:
-    """A sender of commands, which holds the newest snapshot and calls ``on_sent`` with each command."""
+    """Sends commands, and holds the newest snapshot."""
 
-    def __init__(self, player: Player, wanted: Wanted, on_sent: Callable[[Command], None]) -> None:
+    def __init__(self, player: Player, wanted: Wanted, on_sent: Callable[[commands.Command], None]) -> None:
         self.player = player
         self.wanted = wanted
         self.snapshot: Snapshot | None = None
         self.settled: Snapshot | None = None
         """The newest snapshot, None while a later request is under way."""
-        self.sent = 0
-        """The number of commands, including those that drawing causes."""
         self._on_sent = on_sent
 
-    def send(self, command: Command) -> None:
+    def send(self, command: commands.Command) -> None:
         """Send ``command`` to the player."""
-        self.sent += 1
         self.settled = None
         self.wanted.note(command)
         self._on_sent(command)

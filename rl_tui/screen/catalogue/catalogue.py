@@ -1,4 +1,4 @@
-"""The start screen: doors, scenarios, recent sessions and details."""
+"""The start screen."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ from textual.containers import Horizontal, Vertical
 from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Input, Static
-from textual.worker import WorkerCancelled
+from textual.widgets import Input
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.streams import streams
@@ -46,12 +45,22 @@ from rl_tui.screen.catalogue.doors import (
     watch_door,
 )
 from rl_tui.screen.catalogue.facts import Prose
-from rl_tui.screen.catalogue.scenario_list import Filter, Hit, Mark, ScenarioList, has_words, marks_of
+from rl_tui.screen.catalogue.scenario_list import (
+    MEANINGS,
+    Filter,
+    Hit,
+    Mark,
+    ScenarioList,
+    has_words,
+    marks_of,
+)
 from rl_tui.screen.catalogue.session_text import SavedSessions, SessionList
 from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.terminal.linked_app import is_open
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
@@ -66,16 +75,15 @@ _SEED: Final = 0
 _DETAILS: Final = "details"
 _WIDE, _HIGH = 160, 50  # size from which the sessions are always listed
 _NEEDED_TO_PLAY: Final = ("rl_tui.screen.playground.playground", "rl_tui.agents.learner")
-_WORDS, _LESSONS = "Words", "Lessons"
+_WORDS, _LESSONS, _SESSIONS = "Words", "Lessons", "Sessions"
 _MOST_WORDS: Final = 5
-_FILTER_HINTS: Final = (("↑ ↓", "choose"), ("enter", "open"), ("esc", "all of them"))
 _Turn = IntEnum("_Turn", ["END", "PICTURE", "WORLD", "OPTIMUM", "REST"])  # most urgent first
 
 
 class CatalogueScreen(SavedSessions):
-    """Doors above, scenarios or sessions at the left, details of the current one at the right.
+    """Doors above, scenarios or sessions at the left, details at the right.
 
-    A thread reads the lessons, builds the worlds (Gymnasium last) and makes the runs of the picture.
+    A thread reads lessons, builds worlds (Gymnasium last) and makes the runs of the picture.
     """
 
     CSS_PATH = "catalogue.tcss"
@@ -84,7 +92,7 @@ class CatalogueScreen(SavedSessions):
 
     @dataclass
     class Opened(Message):
-        """The user wants to play, watch or edit a scenario."""
+        """The user wants to open a scenario."""
 
         recipe: Recipe
         watches: bool = False
@@ -103,11 +111,9 @@ class CatalogueScreen(SavedSessions):
         fault: UserError | None = None,
         sessions: Path | None = None,
     ) -> None:
-        super().__init__(look, sessions)
+        super().__init__(look, start_at, fault, sessions)
         self._catalogue = read_catalogue()
         self._by_id = {scenario.id: scenario for scenario in self._catalogue.scenarios}
-        self._start_at = start_at
-        self._fault = fault
         self._scripts: Sequence[Path] = ()
         self._wanted: Scenario | None = None  # its run is made at the next pause
         self._worlds: dict[str, World | UserError] = {}
@@ -120,9 +126,8 @@ class CatalogueScreen(SavedSessions):
         self._details = Details(look)
 
     def content(self) -> Iterable[Widget]:
-        """Yield the doors, the lists and the details."""
-        title = " rl-tui  An agent learns from rewards. See how."
-        yield Static(f"{title}  kiosk" if self.in_kiosk else title, id="title")
+        """Yield doors, lists and details."""
+        yield self.first_row("An agent learns from rewards. See how.")
         doors = [learn_door(None), watch_door(), go_on_door((), datetime.now(UTC), in_kiosk=self.in_kiosk)]
         if not self.in_kiosk:
             doors.append(own_code_door(()))
@@ -132,7 +137,7 @@ class CatalogueScreen(SavedSessions):
         yield Horizontal(lists, self._details, id="columns")
 
     def on_mount(self) -> None:
-        """Put the cursor where the user came from."""
+        """Put the cursor where the user was."""
         scenarios, doors = self.query_one(ScenarioList), self.query_one(Doors)
         scenarios.start_at(self._start_at)
         doors.current = LEARN if self._start_at == AT_LESSONS else GO_ON if self.has_files else WATCH
@@ -140,17 +145,15 @@ class CatalogueScreen(SavedSessions):
             scenarios.focus()
         else:
             doors.focus()
-        if self._fault is not None:
-            self.notify(str(self._fault), severity="error", timeout=15, markup=False)
 
     def on_resize(self) -> None:
-        """Rearrange texts and lists for the new size."""
+        """Rearrange texts and lists."""
         self.query_one(Prose).set_class(self.has_class("-broad"), "-beside")
         self.set_class(self.size.width >= _WIDE and self.size.height >= _HIGH, "-wide")
         self.show_current()
 
     def begin(self) -> None:
-        """Start to read sessions and lessons, and to build the worlds."""
+        """Read sessions and lessons, and build worlds."""
         super().begin()
         Thread(target=self._work, name="read and build", daemon=True).start()
 
@@ -166,7 +169,7 @@ class CatalogueScreen(SavedSessions):
     def _work(self) -> None:
         with suppress(RuntimeError):  # the program has ended meanwhile
             if not self.in_kiosk:
-                self.call_later(self._show_scripts, scripts_here())
+                self.deliver(self._show_scripts, scripts_here())
             self._read_lessons()
             scenarios = self._catalogue.scenarios
             for scenario in scenarios[:1]:
@@ -175,8 +178,8 @@ class CatalogueScreen(SavedSessions):
                 for module in _NEEDED_TO_PLAY:
                     import_module(module)
             except ImportError as error:
-                say = partial(self.notify, title="cannot load", severity="error", timeout=30, markup=False)
-                self.call_later(say, str(error))
+                say = partial(self.notify, title="cannot load", severity="error", markup=False)
+                self.deliver(say, str(error))
             for scenario in sorted(scenarios[1:], key=lambda each: each.kind == "gymnasium"):
                 self._put(_Turn.WORLD, partial(self._build, scenario))
             while (job := self._jobs.get()[-1]) is not None:
@@ -185,7 +188,7 @@ class CatalogueScreen(SavedSessions):
     def _read_lessons(self) -> None:
         from rl_tui.live.sessions.progress import lesson_entries
 
-        self.call_later(self._show_lessons, lesson_entries(self._sessions))
+        self.deliver(self._show_lessons, lesson_entries(self._sessions))
 
     def _build(self, scenario: Scenario) -> None:
         try:
@@ -194,22 +197,22 @@ class CatalogueScreen(SavedSessions):
             world = error
         except ImportError as error:
             world = UserError(f"{error}")
-        self.call_later(self._take_world, scenario, world)
+        self.deliver(self._take_world, scenario, world)
 
     def _make_moments(self, scenario: Scenario, world: World) -> None:
         from rl_tui.screen.catalogue.preview import moments_of
 
         if self._wanted is scenario:  # else the cursor has moved on
-            self.call_later(self._details.take_moments, scenario, moments_of(scenario, world))
+            self.deliver(self._details.take_moments, scenario, moments_of(scenario, world))
 
     def _repeat_last_run(self, session: StoredSession) -> None:
         from rl_tui.screen.catalogue.preview import last_run
 
-        self.call_later(self._details.take_last_run, session, last_run(session))
+        self.deliver(self._details.take_last_run, session, last_run(session))
 
     def _find_optima(self, marks: Mapping[str, Mark], sessions: Sequence[StoredSession]) -> None:
         if not sessions:
-            self.call_later(self._show_marks, marks)
+            self.deliver(self._show_marks, marks)
             return
         from rl_tui.screen.catalogue.preview import has_found_optimum
 
@@ -250,7 +253,7 @@ class CatalogueScreen(SavedSessions):
         self.query_one(Doors).show(OWN_CODE, own_code_door(scripts))
 
     def show_sessions(self, sessions: Sequence[StoredSession]) -> None:
-        """Mark the worlds that were opened, and update the door."""
+        """Mark opened worlds, and update the door."""
         self.query_one("#lists").set_class(bool(self.query_one(SessionList).entries), "-kept")
         doors = self.query_one(Doors)
         doors.show(GO_ON, go_on_door(sessions, datetime.now(UTC), in_kiosk=self.in_kiosk))
@@ -265,18 +268,13 @@ class CatalogueScreen(SavedSessions):
         await self._all_built.wait()
         await self._lessons_read.wait()
         await self.sessions_read()
-        await self._details_drawn()
+        await self.finished(_DETAILS)
         self._details.ask_for_moments()
         for _ in range(2):  # a request of the details is queued only after a message was handled
             done = asyncio.Event()
             self._put(_Turn.REST, partial(self.call_later, done.set))
             await done.wait()
-        await self._details_drawn()
-
-    async def _details_drawn(self) -> None:
-        while under_way := [each for each in self.workers if each.group == _DETAILS and not each.is_finished]:
-            with suppress(WorkerCancelled):
-                await self.workers.wait_for_complete(under_way)
+        await self.finished(_DETAILS)
 
     # The cursor
 
@@ -284,11 +282,15 @@ class CatalogueScreen(SavedSessions):
     def _current(self) -> Entry | None:
         if self._in_sessions:
             return self.query_one(SessionList).current
-        return self.query_one(ScenarioList).current
+        entry = self.query_one(ScenarioList).current
+        if isinstance(entry, Hit) and entry.group == _SESSIONS:
+            sessions = self.query_one(SessionList).sound
+            return next((each for each in sessions if str(each.path) == entry.id), None)
+        return entry
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The order of the tab key, or only the filter."""
+        """The tab order, or only the filter."""
         if self.query_one(Filter).display:
             return [self.query_one(Filter).line]
         order: list[Widget] = [self.query_one(Doors), self.query_one(ScenarioList)]
@@ -300,27 +302,25 @@ class CatalogueScreen(SavedSessions):
         return order
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
-        """Show the list in focus and the details of its current row."""
+        """Show the list in focus, and details."""
         to_sessions = isinstance(event.widget, SessionList)
         if to_sessions is not self._in_sessions and not isinstance(event.widget, Details):
             self._in_sessions = to_sessions
             self.query_one("#lists").set_class(to_sessions, "-sessions")
             self.show_current()
 
-    def on_option_list_option_highlighted(self) -> None:
-        """Show the details of the row under the cursor."""
-        self.show_current()
-
     def on_option_list_option_selected(self) -> None:
         """Open the row."""
         self.action_open()
 
     def show_current(self) -> None:
-        """Show the details of the row under the cursor."""
+        """Show the row's details."""
         # A function, not a coroutine: of several in a row only the last one starts
         self.run_worker(self._show, exclusive=True, group=_DETAILS)  # type: ignore[arg-type]
 
     async def _show(self) -> None:
+        if not is_open(self):
+            return
         entry = self._current
         id_ = entry.id if isinstance(entry, Scenario) else ""
         sessions = [each for each in self.query_one(SessionList).sound if each.document.scenario.id == id_]
@@ -334,7 +334,7 @@ class CatalogueScreen(SavedSessions):
     def action_filter(self) -> None:
         """Open the filter of the list."""
         self.query_one(Doors).display = False
-        self.query_one(KeyLine).hints = _FILTER_HINTS
+        self.query_one(KeyLine).hints = (("↑ ↓", "choose"), ("enter", "open"), ("esc", "all of them"))
         self.query_one(Filter).open()
         self._show_filtered(self.query_one(Filter).line.value)
 
@@ -359,7 +359,7 @@ class CatalogueScreen(SavedSessions):
         hits = self._hits(words) if words.strip() else []
         worlds = self.query_one(ScenarioList).show(words.strip(), hits)
         found = [f"{worlds} of {counted(len(self._by_id), 'world')}"]
-        for group, singular in ((_LESSONS, "lesson"), (_WORDS, "word")):
+        for group, singular in ((_SESSIONS, "session"), (_LESSONS, "lesson"), (_WORDS, "word")):
             if number := sum(hit.group == group for hit in hits):
                 found.append(counted(number, singular))
         self.query_one(Filter).tell(" · ".join(found))
@@ -372,7 +372,9 @@ class CatalogueScreen(SavedSessions):
         lessons = [each.lesson for each in entries if has_words(each.lesson.title, words)]
         terms = [glossary()[id_] for id_ in search(words)]
         named = [each for each in terms if has_words(" ".join(each.names), words)]
+        sessions = [each for each in self.query_one(SessionList).sound if has_words(each.title, words)]
         return [
+            *(Hit(_SESSIONS, str(each.path), each.title) for each in sessions),
             *(Hit(_LESSONS, each.id, each.title) for each in lessons),
             *(Hit(_WORDS, each.id, each.word) for each in named[:_MOST_WORDS]),
         ]
@@ -380,7 +382,7 @@ class CatalogueScreen(SavedSessions):
     # Verbs
 
     def on_doors_door_opened(self, event: Doors.DoorOpened) -> None:
-        """Open the door that was clicked."""
+        """Open the clicked door."""
         self.action_door(event.number)
 
     def action_door(self, number: int) -> None:
@@ -404,7 +406,7 @@ class CatalogueScreen(SavedSessions):
             self.tell("Nothing to continue yet. 2 watches an agent learn.")
 
     def action_open(self) -> None:
-        """Open the door in focus, else the row under the cursor."""
+        """Open the focused door, else the row."""
         doors, entry = self.query_one(Doors), self._current
         if doors.has_focus:
             self.action_door(doors.current)
@@ -425,10 +427,10 @@ class CatalogueScreen(SavedSessions):
         try:
             self.post_message(self.Opened(recipe_for(scenario, {}, _SEED), watches))
         except UserError as fault:
-            self.notify(str(fault), severity="error", markup=False)
+            complain(self.app, fault)
 
     def action_new_world(self) -> None:
-        """Ask for the kind of a new world, then edit it."""
+        """Ask for a kind of world, then edit it."""
         if self.in_kiosk:
             self.tell("Not here: a kiosk writes no files.")
             return
@@ -442,7 +444,7 @@ class CatalogueScreen(SavedSessions):
         self.app.push_screen(new_world_choice(self.look.glyphs), begin)
 
     def action_delete_session(self) -> None:
-        """Delete the session under the cursor after a confirmation."""
+        """Delete the session after a confirmation."""
         entry = self._current
         if self.in_kiosk:
             self.tell("Not here: a kiosk keeps no sessions.")
@@ -454,8 +456,11 @@ class CatalogueScreen(SavedSessions):
             self.notify("Only sessions can be deleted.")
 
     def help_screen(self) -> Dialog[str]:
-        """Return the help pages, with the notes of the scenario under the cursor."""
+        """Return the help pages, with scenario notes."""
         from rl_tui.screen.frame.help import HelpScreen
 
         entry = self._current
-        return HelpScreen(self.look, notes=entry.notes if isinstance(entry, Scenario) else "")
+        marks = zip(self.look.glyphs.progress, MEANINGS, strict=True)
+        topic = ("Marks", f"Before a world: {', '.join(f'{mark} {meaning}' for mark, meaning in marks)}.")
+        notes = entry.notes if isinstance(entry, Scenario) else ""
+        return HelpScreen(self.look, notes=notes, topics=(topic,))

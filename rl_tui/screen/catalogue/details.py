@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 from rich.console import RenderableType
 from textual.containers import Container, Vertical, VerticalScroll
@@ -24,8 +25,6 @@ from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.catalogue.preview import LastRun
     from rl_tui.screen.panels.world.view import WorldView
@@ -41,30 +40,30 @@ class Details(VerticalScroll):
 
     @dataclass
     class MomentsWanted(Message):
-        """The cursor rests on a scenario without a run."""
+        """The cursor rests on a scenario without run."""
 
         scenario: Scenario
         world: World
 
     @dataclass
     class LastRunWanted(Message):
-        """The cursor is on a scenario whose newest session was not repeated yet."""
+        """The newest session of the scenario was not repeated yet."""
 
         session: StoredSession
 
     def __init__(self, look: Look) -> None:
-        picture = Vertical(
-            Container(id="preview"),
-            Static(id="moment", markup=False),
-            Static(id="last-run", markup=False),
-            Static(id="own-sessions", markup=False),
-            id="left",
-        )
-        stage = Container(picture, Prose(look), id="stage")
-        heading, facts = Static(id="heading"), Static(id="facts", markup=False)
-        super().__init__(heading, facts, stage, id="details")
+        # Kept, not looked up: a timer can still run when they are already removed
+        self._heading, self._facts = Static(id="heading"), Static(id="facts", markup=False)
+        self._moment = Static(id="moment", markup=False)
+        self._preview = Container(id="preview")
+        self._last_run = Static(id="last-run", markup=False)
+        self._own_sessions = Static(id="own-sessions", markup=False)
+        self._left = Vertical(self._moment, self._preview, self._last_run, self._own_sessions, id="left")
+        self._prose = Prose(look)
+        self._stage = Container(self._left, self._prose, id="stage")
+        super().__init__(self._heading, self._facts, self._stage, id="details")
         self._look = look
-        self.shown: Entry | None = None  # the row on display
+        self.shown: Entry | None = None
         self._newest: StoredSession | None = None  # of the scenario on display
         self._view: WorldView | None = None
         self._moments: dict[str, Sequence[Snapshot]] = {}
@@ -79,19 +78,18 @@ class Details(VerticalScroll):
         lessons: Sequence[str],
         sessions: Sequence[StoredSession],
     ) -> None:
-        """Show ``entry``. ``world``, ``lessons`` and ``sessions`` belong to a scenario."""
+        """Show ``entry``. The rest belongs to a scenario."""
         if entry is not self.shown:
             self.shown = entry
             self.scroll_home(animate=False)
             self._stop_picture()
-        self.query_one("#stage").display = isinstance(entry, Scenario)
+        self._stage.display = isinstance(entry, Scenario)
         now = datetime.now(UTC)
         if isinstance(entry, Scenario):
             self._tell(entry.title, size_line(world, self._look))
-            self.query_one(Prose).show(blocks_of(entry, lessons))
-            own = self.query_one("#own-sessions", Static)
-            own.display = bool(sessions) and self._has_room
-            own.update(own_sessions_text(sessions, now, self._look))
+            self._prose.show(blocks_of(entry, lessons))
+            self._own_sessions.display = bool(sessions) and self._has_room
+            self._own_sessions.update(own_sessions_text(sessions, now, self._look))
             self._newest = sessions[0] if sessions else None
             self._show_last_run()
             self._draw(entry, world)
@@ -109,55 +107,58 @@ class Details(VerticalScroll):
             self._tell("", "")
 
     def _tell(self, title: str, text: RenderableType) -> None:
-        self.query_one("#heading", Static).update(Heading(title, self._look) if title else "")
-        self.query_one("#facts", Static).update(text)
+        self._heading.update(Heading(title, self._look) if title else "")
+        self._facts.update(text)
 
     # The picture
 
     def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:
         if self._view is not None and self._view.world is world:
             return
-        drawing = self.query_one("#preview")
-        if not drawing.is_attached:
+        if not self._preview.is_attached:
             return  # the app has ended
-        drawing.remove_children()  # no await here: if cancelled, it would leave half behind
+        self._preview.remove_children()  # no await here: if cancelled, it would leave half behind
         if isinstance(world, World):
             from rl_tui.screen.catalogue.preview import beginning_of
             from rl_tui.screen.panels.world_views import make_world_view
 
             self._view = view = make_world_view(world, self._look)
             view.can_focus = False
-            drawing.mount(view)
+            self._preview.mount(view)
             view.show(beginning_of(scenario, world))
             self._rest = self.set_timer(REST, self.ask_for_moments)
         elif world is None:
-            drawing.mount(Static(f"preparing {self._look.glyphs.ellipsis}", classes="hint"))
+            self._preview.mount(Static(f"preparing {self._look.glyphs.ellipsis}", classes="hint"))
+
+    def on_unmount(self) -> None:
+        """Stop the picture's timer."""
+        if self._pace is not None:
+            self._pace.stop()
 
     def _stop_picture(self) -> None:
         for timer in (self._rest, self._pace):
             if timer is not None:
                 timer.stop()
         self._rest = self._pace = self._view = None
-        self.query_one("#moment", Static).update("")
-        for picture in self.query_one("#preview").children:
+        self._moment.update("")
+        for picture in self._preview.children:
             picture.display = False
 
     def take_last_run(self, session: StoredSession, run: LastRun | None) -> None:
-        """Save and show the result of the run of ``session``, None if unknown."""
+        """Save and show a session's result."""
         self._last_runs[session.path] = run
         self._show_last_run()
 
     def _show_last_run(self) -> None:
         run = None if self._newest is None else self._last_runs.get(self._newest.path)
-        shown = self.query_one("#last-run", Static)
-        shown.display = run is not None and self._has_room
+        self._last_run.display = run is not None and self._has_room
         if run is not None:
             from rl_tui.screen.catalogue.preview import last_run_text
 
-            shown.update(last_run_text(run, self.query_one("#left").size.width, self._look))
+            self._last_run.update(last_run_text(run, self._left.size.width, self._look))
 
     def ask_for_moments(self) -> None:
-        """Ask for a run in the world on display, unless it was made."""
+        """Ask for a run, unless made."""
         if self._rest is None or self._view is None or not isinstance(self.shown, Scenario):
             return
         self._rest.stop()
@@ -170,7 +171,7 @@ class Details(VerticalScroll):
             self.post_message(self.MomentsWanted(self.shown, self._view.world))
 
     def take_moments(self, scenario: Scenario, moments: Sequence[Snapshot]) -> None:
-        """Save and play ``moments`` of a run of ``scenario``."""
+        """Save and play ``moments`` of a run."""
         if scenario.id in self._moments:
             return
         self._moments[scenario.id] = moments
@@ -180,8 +181,9 @@ class Details(VerticalScroll):
     def _play(self, view: WorldView, moments: Sequence[Snapshot]) -> None:
         if self._pace is not None:
             self._pace.stop()
-        self._show_moment(view, moments[0 if self._moves else -1])
-        if not self._moves:
+        app = self._moving_app
+        self._show_moment(view, moments[-1 if app is None else 0])
+        if app is None:
             return
         coming = iter(moments[1:])
 
@@ -192,20 +194,21 @@ class Details(VerticalScroll):
             else:
                 self._show_moment(view, moment)
 
-        self._pace = pace = self.set_interval(PACE, show_next)
+        self._pace = pace = app.start_timer(PACE, show_next, repeats=True)
 
     def _show_moment(self, view: WorldView, moment: Snapshot) -> None:
         from rl_tui.screen.catalogue.preview import moment_line
 
         view.show(moment)
-        self.query_one("#moment", Static).update(moment_line(moment, self._look))
+        self._moment.update(moment_line(moment, self._look))
 
     @property
     def _has_room(self) -> bool:
         return self.screen.has_class("-tall")
 
     @property
-    def _moves(self) -> bool:
-        is_plain = self._look.glyphs.name == "ascii"
+    def _moving_app(self) -> LinkedApp[Any] | None:
         app = self.app
-        return isinstance(app, LinkedApp) and app.ticks > 0 and not app.has_slow_link and not is_plain
+        if not isinstance(app, LinkedApp) or self._look.glyphs.name == "ascii":
+            return None
+        return app if app.ticks > 0 and not app.has_slow_link else None

@@ -1,4 +1,4 @@
-"""The doors of the start screen, and the pages behind them."""
+"""The start screen's doors and their pages."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _TALL, _MEDIUM, _LOW = 4, 2, 1  # rows
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """The texts of a door, shown as far as they fit."""
+    """A door's texts, as far as they fit."""
 
     title: str
     text: str
@@ -60,13 +60,13 @@ class Door:
 
 
 class Doors(Widget, can_focus=True):
-    """Doors side by side. ``current`` is a number from 1."""
+    """Doors side by side. ``current`` counts from 1."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        binding("left", "move(-1)", "doors.left", "Go to the previous door."),
-        binding("right", "move(1)", "doors.right", "Go to the next door."),
-        binding("home", "move(-9)", "doors.first", "Go to the first door."),
-        binding("end", "move(9)", "doors.last", "Go to the last door."),
+        binding("left", "move(-1)", "doors.left", "Go to the previous card."),
+        binding("right", "move(1)", "doors.right", "Go to the next card."),
+        binding("home", "move(-9)", "doors.first", "Go to the first card."),
+        binding("end", "move(9)", "doors.last", "Go to the last card."),
         binding("down,j", "leave", "doors.leave", "Go to the list."),
     ]
 
@@ -84,12 +84,12 @@ class Doors(Widget, can_focus=True):
         self._doors = list(doors)
 
     def show(self, number: int, door: Door) -> None:
-        """Change the texts of the door ``number``."""
+        """Change a door's texts."""
         self._doors[number - 1] = door
         self.refresh()
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the rows of the doors for the height of the screen."""
+        """Return the rows for the screen's height."""
         if viewport.height >= ROOMY_HEIGHT:
             return _TALL
         return _MEDIUM if viewport.height >= MEDIUM_HEIGHT else _LOW
@@ -144,8 +144,8 @@ class Doors(Widget, can_focus=True):
 
 
 def learn_door(found: LessonEntries | None) -> Door:
-    """Return the door of the lessons: progress, and minutes per page."""
-    text = "Lessons: predict first. Five are the core."
+    """Return the lessons' door, with progress."""
+    text = "Interactive lessons. Five are the core."
     if found is None or not found.entries:
         return Door("Learn", text, "")
     here = next((each for each in found.entries if each.lesson.id == found.goes_on_at), None)
@@ -160,15 +160,21 @@ def learn_door(found: LessonEntries | None) -> Door:
 
 
 def watch_door() -> Door:
-    """Return the door of the demonstration."""
-    return Door("Watch it learn", "An agent learns to cross a lake, slowly. Just watch.", "space pauses")
+    """Return the demonstration's door."""
+    return Door(
+        "Watch it learn",
+        "An agent learns to cross a lake, slowly. Just watch.",
+        "space pauses",
+        brief="Watch",
+    )
 
 
 def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bool) -> Door:
-    """Return the door of the sessions."""
+    """Return the sessions' door."""
     if not sessions:
-        text = "Nothing is saved here: this is a kiosk." if in_kiosk else "Your runs are saved automatically."
-        return Door("Continue", text, "nothing yet")
+        if in_kiosk:
+            return Door("Continue", "This is a kiosk.", "nothing is saved")
+        return Door("Continue", "Your runs are saved automatically.", "nothing yet")
     newest = sessions[0]
     age = short_age(now - newest.saved, newest.saved)
     age = age if age == "now" or age[0:4].isdigit() else f"{age} ago"
@@ -178,7 +184,7 @@ def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bo
 
 
 def own_code_door(scripts: Sequence[Path]) -> Door:
-    """Return the door of the user's own scripts."""
+    """Return the door of own scripts."""
     found = f"{counted(len(scripts), 'script')} here" if scripts else "enter: see how"
     text = "rl-tui watch my_script.py shows your program here."
     return Door("Your own code", text, found, brief="Your code")
@@ -218,14 +224,14 @@ _COMMAND: Final = "rl-tui watch"
 
 
 def own_code_page(scripts: Sequence[Path], glyphs: Glyphs) -> Choice:
-    """Return the page with the commands for a person's own program or agent."""
+    """Return the commands for own programs."""
     from rl_tui.screen.dialogs.form import Candidate, Choice
 
-    mine = [(f"{_COMMAND} {path}", "this script is here and imports gymnasium") for path in scripts]
+    mine = [(f"{_COMMAND} {path}", "This script is here and imports gymnasium.") for path in scripts]
     commands = [
-        *(mine or [(f"{_COMMAND} my_script.py", "watch your script step by step, unchanged")]),
-        ("rl-tui agent new my_agent.py", "begin an agent without a loop"),
-        ("rl-tui play frozenlake --agent my_agent.py", "watch that agent learn"),
+        *(mine or [(f"{_COMMAND} my_script.py", "Watch your script step by step, unchanged.")]),
+        ("rl-tui agent new my_agent.py", "Begin an agent without a loop."),
+        ("rl-tui play frozenlake --agent my_agent.py", "Watch that agent learn."),
     ]
     candidates = [Candidate(command, command, (what,)) for command, what in commands]
     question = "Type these in a shell. Your code runs with all your rights: there is no sandbox."
@@ -236,14 +242,14 @@ def own_code_page(scripts: Sequence[Path], glyphs: Glyphs) -> Choice:
 
 
 _KINDS: Final = {
-    "grid": ("Map", "cells, walls, rewards: draw it with brushes"),
-    "mdp": ("Graph", "states and actions: say where each action leads"),
-    "bandit": ("Bandit", "one state, several arms"),
+    "grid": ("Map", "Cells, walls, rewards: draw it with brushes."),
+    "mdp": ("Graph", "States and actions: say where each action leads."),
+    "bandit": ("Bandit", "One state, several arms."),
 }
 
 
 def new_world_choice(glyphs: Glyphs) -> Choice:
-    """Return the question for the kind of a new world."""
+    """Ask for a new world's kind."""
     from rl_tui.screen.dialogs.form import Candidate, Choice
 
     candidates = [Candidate(kind, _KINDS[kind][0], (_KINDS[kind][1],)) for kind in BLANK]

@@ -1,4 +1,4 @@
-"""Texts of the start screen about a scenario."""
+"""Texts about a scenario."""
 
 from __future__ import annotations
 
@@ -34,16 +34,13 @@ _DOT: Final = " · "
 
 
 def minutes_of_page(lesson: Lesson) -> int:
-    """Return the average minutes of a page of ``lesson``, at least 1."""
+    """Return a page's average minutes, at least 1."""
     return max(1, round(lesson.minutes / len(lesson.pages)))
 
 
 # Texts about a scenario
 
 
-GUESS: Final = "Guess first"
-SEE: Final = "You will see"
-TRY: Final = "Try"
 LONGEST_LINE: Final = 60  # columns of prose
 
 
@@ -51,12 +48,12 @@ Block = tuple[str, str]  # a heading, which may be empty, and a paragraph
 
 
 def blocks_of(scenario: Scenario, lessons: Sequence[str] = ()) -> list[Block]:
-    """Return the texts about ``scenario``, the most important first. ``lessons`` are titles."""
+    """Return a scenario's texts, by importance."""
     blocks = [
         ("", scenario.summary),
-        (GUESS, scenario.guess),
-        (SEE, scenario.see or lesson_of(scenario.notes)),
-        (TRY, scenario.try_this),
+        ("Guess first", scenario.guess),
+        ("You will see", scenario.see or lesson_of(scenario.notes)),
+        ("Try", scenario.try_this),
         ("The agent", defaults(scenario.defaults)),
         ("Used in lessons", _DOT.join(lessons)),
     ]
@@ -77,7 +74,7 @@ class Prose(Widget):
         self.refresh(layout=True)
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the rows for the height of the screen."""
+        """Return the rows for the screen's height."""
         return len(self._lines(width, max(3, viewport.height // 2 - 6), inline=True))
 
     def render_line(self, y: int) -> Strip:
@@ -103,13 +100,13 @@ class Prose(Widget):
 
 
 def lesson_of(notes: str) -> str:
-    """Return the lesson in the first heading of ``notes``, or an empty string."""
+    """Return the first heading's lesson, or ""."""
     found = re.match(r"\s*\*\*What it teaches: (.+?)\*\*", notes, re.DOTALL)
     return " ".join(found[1].split()).removesuffix(".") if found else ""
 
 
 def labelled(rows: Iterable[tuple[RenderableType, RenderableType]], look: Look) -> Table:
-    """Return a table of ``rows``, each a label and its text."""
+    """Return labels beside their texts."""
     table = Table.grid(padding=(0, 1, 0, 0))
     table.add_column(no_wrap=True, style=look.palette.dim)
     table.add_column(style=look.palette.text)
@@ -119,7 +116,7 @@ def labelled(rows: Iterable[tuple[RenderableType, RenderableType]], look: Look) 
 
 
 def sizes(world: World | UserError | None) -> str:
-    """Return sizes and limits of ``world`` in words."""
+    """Describe sizes and limits."""
     if world is None:
         return "loading …"
     if isinstance(world, UserError):
@@ -138,7 +135,7 @@ def sizes(world: World | UserError | None) -> str:
 
 
 def defaults(values: Mapping[str, object]) -> str:
-    """Return the defaults of a scenario file in words."""
+    """Describe a scenario file's defaults."""
     parts = []
     for name, value in values.items():
         if name == "algorithm":
@@ -153,21 +150,21 @@ def defaults(values: Mapping[str, object]) -> str:
 
 
 def size_line(world: World | UserError | None, look: Look) -> RenderableType:
-    """Return :func:`sizes` in one row, or an error in full."""
+    """Return sizes in a row, or an error."""
     if isinstance(world, UserError):
         return Text(to_ascii(sizes(world), look.glyphs), look.palette.text)
     return PartsLine(sizes(world), look)
 
 
 class FullWidth:
-    """A renderable as wide as the space it has."""
+    """A renderable as wide as possible."""
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
         return Measurement(1, options.max_width)
 
 
 class PartsLine(FullWidth):
-    """Parts between dots in one row, as many as fit."""
+    """As many parts as fit in a row."""
 
     def __init__(self, line: str, look: Look) -> None:
         self._parts, self._look = line.split(_DOT), look
@@ -180,7 +177,7 @@ class PartsLine(FullWidth):
 
 
 def faults_text(what: str, faults: Iterable[object], look: Look) -> Text:
-    """Return ``what``, and every error of a file as a paragraph."""
+    """Return ``what``, and a paragraph per error."""
     text = Text(f"{what}\n", look.palette.text)
     for fault in faults:
         text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)

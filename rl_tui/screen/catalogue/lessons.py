@@ -1,4 +1,4 @@
-"""The lessons screen: a list with details and progress."""
+"""The lesson list, with details and progress."""
 
 from __future__ import annotations
 
@@ -20,12 +20,11 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
-from textual.worker import WorkerCancelled
 
 from rl_tui.common.errors import ScenarioError, UserError
-from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.lessons.file.view import begun
+from rl_tui.lessons.lesson import Lesson
 from rl_tui.live.sessions.progress import (
     LessonEntries,
     LessonEntry,
@@ -35,20 +34,19 @@ from rl_tui.live.sessions.progress import (
     start_of,
 )
 from rl_tui.live.sessions.session import StoredSession
+from rl_tui.runs.recipe import begin
 from rl_tui.screen.catalogue.facts import faults_text, labelled, minutes_of_page
-from rl_tui.screen.catalogue.scenario_list import FAULTY, Heading, ListRow
+from rl_tui.screen.catalogue.scenario_list import Heading, ListRow, ListScreen, faulty_row
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
-from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.bindings import RowList
 from rl_tui.screen.terminal.key_queue import EarlyKeys
-from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
-    from rl_tui.lessons.lesson import Lesson
     from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.dialogs.dialog import Dialog
 
@@ -56,21 +54,20 @@ if TYPE_CHECKING:
 
 
 DONE: Final = "✓"
-_FINISHED: Final = f"{DONE} finished"
 
 
 def state_of(entry: LessonEntry, progress: LessonProgress) -> str:
-    """Return the progress in a lesson that was begun, in a few words."""
+    """Describe the progress in a begun lesson."""
     if entry.is_at_end:
         done = progress.finished or progress.tasks_passed == progress.tasks
         passed = f"{progress.tasks_passed} of {counted(progress.tasks, 'task')}"
-        return _FINISHED if done else f"at its end · {passed}"
+        return f"{DONE} finished" if done else f"at its end · {passed}"
     here = f"page {entry.lesson.number_of(progress.page) + 1} of {len(entry.lesson.pages)}"
     return f"{DONE} {here}" if progress.finished else here
 
 
 def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
-    """Return the details of a lesson, and the title of the ``following`` one."""
+    """Return details, and the ``following`` title."""
     lesson, palette = entry.lesson, look.palette
     lines = {"then": following} if following else {}
     rows = [(label, Text(separated(line, look.glyphs))) for label, line in (_lines(entry) | lines).items()]
@@ -96,7 +93,7 @@ def mark_of(entry: LessonEntry, look: Look) -> str:
 
 
 def pages_done(entry: LessonEntry) -> int:
-    """Return the number of pages before the open one."""
+    """Count the pages before the open one."""
     if entry.progress is None:
         return 0
     return len(entry.lesson.pages) if entry.is_at_end else entry.lesson.number_of(entry.progress.page)
@@ -110,12 +107,12 @@ def _pages(entry: LessonEntry, look: Look) -> str:
 
 
 def progress_line(found: LessonEntries) -> str:
-    """Return the progress in all lessons, and the numbers of the core course."""
+    """Describe the progress in all lessons."""
     numbers = [str(number) for number, each in enumerate(found.entries, start=1) if each.lesson.is_core]
     core = f" · core course: {' '.join(numbers)}" if numbers else ""
     begun = [entry.progress for entry in found.entries if entry.progress is not None]
     if not begun:
-        return f"Begin with the first: enter.{core}"
+        return f"Begin with the first: enter{core}"
     right = sum(progress.predictions_right for progress in begun)
     made = sum(progress.predictions_made for progress in begun)
     finished = f"{found.finished} of {len(found.entries)} finished"
@@ -145,8 +142,6 @@ def _lines(entry: LessonEntry) -> dict[str, str]:
 # The list of lessons
 
 
-_LONGEST_NAME: Final = 255
-
 Entry = LessonEntry | ScenarioError
 
 
@@ -159,7 +154,7 @@ class LessonList(RowList):
         self._entries: Sequence[Entry] = ()
 
     def show(self, entries: Sequence[Entry], start_at: str) -> None:
-        """List ``entries``, with the cursor on ``start_at``, else on the first."""
+        """List ``entries``, with the cursor on ``start_at``, else the first."""
         self._entries = entries
         self.clear_options()
         self.add_options(self._rows())
@@ -169,12 +164,12 @@ class LessonList(RowList):
 
     @property
     def current(self) -> Entry | None:
-        """The entry under the cursor, None without a cursor."""
+        """The entry under the cursor, if any."""
         return None if self.highlighted is None else self._entries[self.highlighted]
 
     @property
     def following(self) -> str:
-        """The number and title of the next lesson, or ""."""
+        """Number and title of the next lesson."""
         after = len(self._entries) if self.highlighted is None else self.highlighted + 1
         titles = (each.lesson.title for each in self._entries[after:][:1] if isinstance(each, LessonEntry))
         return next((f"{after + 1} {title}" for title in titles), "")
@@ -186,9 +181,7 @@ class LessonList(RowList):
                 mark, pages = mark_of(entry, self._look), f"{done}/{len(lesson.pages)}"
                 yield Option(ListRow(mark, f"{number} {lesson.title}", pages, self._look))
             else:
-                name = one_line(entry.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
-                errors = counted(len(entry.faults), "error")
-                yield Option(ListRow(FAULTY, name, errors, self._look))
+                yield Option(faulty_row(entry, self._look))
 
 
 # The screen
@@ -203,15 +196,14 @@ def _world_of_page(lesson: Lesson, page: str) -> Snapshot:
     from rl_tui.lessons.file.setups import recipe_of
     from rl_tui.live.snapshot import PlaybackView
     from rl_tui.live.snapshot_builder import SnapshotBuilder
-    from rl_tui.runs.recipe import begin
 
     recipe = recipe_of(lesson, lesson.setup_of(page))
     is_hidden = recipe.scenario.hides_answer
     return SnapshotBuilder().before(recipe, begin(recipe).world, PlaybackView(), is_hidden=is_hidden)
 
 
-class LessonsScreen(ActionScreen):
-    """Lessons at the left, details of the current one at the right."""
+class LessonsScreen(ListScreen):
+    """Lessons at the left, details at the right."""
 
     CSS_PATH = "lessons.tcss"
     BINDINGS: ClassVar[list[BindingType]] = bindings_of(actions_of(Place.LESSONS))
@@ -219,13 +211,13 @@ class LessonsScreen(ActionScreen):
 
     @dataclass
     class LessonChosen(Message):
-        """The user wants to begin a lesson, or to go on with it."""
+        """The user wants to open a lesson."""
 
         start: LessonStart | StoredSession
 
     @dataclass
     class ListClosed(Message):
-        """The user goes back to the start screen."""
+        """The user goes back."""
 
     def __init__(
         self,
@@ -236,11 +228,8 @@ class LessonsScreen(ActionScreen):
         *,
         comes_from_lesson: bool = False,
     ) -> None:
-        super().__init__(look)
-        self._start_at = start_at
+        super().__init__(look, start_at, fault, sessions)
         self._comes_from_lesson = comes_from_lesson
-        self._fault = fault
-        self._sessions = sessions
         self._read = asyncio.Event()
         moves = {
             binding.key for binding in Binding.make_bindings([*OptionList.BINDINGS, *LessonList.BINDINGS])
@@ -248,9 +237,8 @@ class LessonsScreen(ActionScreen):
         self._early_keys = EarlyKeys(moves.union(*(action.keys for action in actions_of(Place.LESSONS))))
 
     def content(self) -> Iterable[Widget]:
-        """Yield the list and the details."""
-        title = " rl-tui  Learn step by step"
-        yield Static(f"{title}  kiosk" if self.in_kiosk else title, id="title")
+        """Yield list and details."""
+        yield self.first_row("Learn step by step")
         yield Static(id="progress", markup=False)
         details = VerticalScroll(
             Static(id="heading"), Static(id="about", markup=False), Container(id="preview"), id="details"
@@ -258,21 +246,17 @@ class LessonsScreen(ActionScreen):
         yield Horizontal(LessonList(self.look), details, id="columns")
 
     def on_mount(self) -> None:
-        """Start to read after the first paint."""
+        """Focus the list."""
         self.query_one(LessonList).focus()
-        if self._fault is not None:
-            self.notify(str(self._fault), severity="error", timeout=15, markup=False)
-        self.run_worker(self._read_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
 
-    async def _read_when_painted(self) -> None:
-        if isinstance(self.app, LinkedApp):
-            await self.app.painted()
+    def begin(self) -> None:
+        """Read the lessons."""
         Thread(target=self._read_lessons, name="read lessons", daemon=True).start()
 
     def _read_lessons(self) -> None:
         found = lesson_entries(self._sessions)  # in the thread: only scheduled calls leave it
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.call_later(self._list_lessons, found)
+            self.deliver(self._list_lessons, found)
 
     def _list_lessons(self, found: LessonEntries) -> None:
         self.query_one("#progress", Static).update(f" {separated(progress_line(found), self.look.glyphs)}")
@@ -282,27 +266,21 @@ class LessonsScreen(ActionScreen):
         self._early_keys.release(self.app)
 
     def on_key(self, event: Key) -> None:
-        """Hold keys for the list until it exists."""
+        """Hold keys until the list exists."""
         if self._early_keys.take(event):
             event.stop()
 
     async def settled(self) -> None:
-        """Wait until the lessons are listed and the world of one is drawn."""
+        """Wait for the list and one world."""
         await self._read.wait()
-        while drawing := [each for each in self.workers if each.group == _DRAWING and not each.is_finished]:
-            with suppress(WorkerCancelled):
-                await self.workers.wait_for_complete(drawing)
-
-    def on_option_list_option_highlighted(self) -> None:
-        """Show the details of the lesson under the cursor."""
-        self.show_current()
+        await self.finished(_DRAWING)
 
     def on_option_list_option_selected(self) -> None:
         """Open the lesson."""
         self.action_open_lesson()
 
     def show_current(self) -> None:
-        """Show the details of the lesson under the cursor."""
+        """Show the lesson's details."""
         entry = self.query_one(LessonList).current
         self.query_one("#details").scroll_home(animate=False)
         title = ""
@@ -335,7 +313,7 @@ class LessonsScreen(ActionScreen):
             view.show(picture)
 
     def action_open_lesson(self) -> None:
-        """Begin, resume or reopen the lesson under the cursor."""
+        """Begin, resume or reopen the lesson."""
         entry = self._entry()
         if entry is not None:
             self.run_worker(self._open(entry), name="open the lesson", exclusive=True, group="open")
@@ -344,12 +322,12 @@ class LessonsScreen(ActionScreen):
         try:
             start = await asyncio.to_thread(start_of, entry.lesson, entry.progress)  # may import Gymnasium
         except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            complain(self.app, fault)
         else:
             self.post_message(self.LessonChosen(start))
 
     def action_begin_again(self) -> None:
-        """Begin the lesson under the cursor again after a confirmation."""
+        """Begin the lesson again after a confirmation."""
         from rl_tui.screen.dialogs.dialog import Confirm
 
         entry = self._entry()
@@ -370,7 +348,7 @@ class LessonsScreen(ActionScreen):
         self.app.push_screen(Confirm("Begin again", question, "begin again", self.look.glyphs), begin)
 
     def action_leave_lessons(self) -> None:
-        """Go back to the start screen, after a lesson with a second press."""
+        """Go back, after a lesson with a second press."""
         if self._comes_from_lesson:
             self._comes_from_lesson = False
             self.tell("Press esc again for the start screen.")

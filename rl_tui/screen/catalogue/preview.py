@@ -1,16 +1,17 @@
-"""The picture of a world on the start screen: moments of a short run."""
+"""Moments of a short run on the start screen."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.exact.policy_evaluation import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.live.pace.stop_condition import is_optimal
@@ -30,11 +31,8 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.catalogue import YOURS, group_of
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
-
-if TYPE_CHECKING:
-    from rl_tui.agents.exact.policy_evaluation import Solution
-    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 SEED: Final = 0
 MOMENTS: Final = 24
@@ -50,13 +48,13 @@ _SIGNS: Final = " ..::**##"  # the same in ASCII
 
 
 def beginning_of(scenario: Scenario, world: World) -> Snapshot:
-    """Return a run of ``scenario`` in ``world`` before its first step."""
+    """Return a run before its first step."""
     recipe = recipe_for(scenario, {}, SEED)
     return SnapshotBuilder().before(recipe, world, PlaybackView(), is_hidden=scenario.hides_answer)
 
 
 def moments_of(scenario: Scenario, world: World) -> tuple[Snapshot, ...]:
-    """Return moments of a reproducible run, equally spaced in steps, the beginning first.
+    """Return moments of a reproducible run, equally spaced in steps.
 
     Large worlds and user environments without ``preview_steps`` have only the beginning.
     """
@@ -98,7 +96,7 @@ def _moment(run: Run, before: Snapshot) -> Snapshot:
 
 
 def has_found_optimum(session: StoredSession, scenario: Scenario) -> bool:
-    """Return True if the greedy policy of ``session`` is optimal and not hidden."""
+    """Return whether a session's greedy policy is optimal, unless hidden."""
     document = session.document
     table, lane = document.table, document.lanes[document.shown]
     is_edited = any(entry.world for branch in lane.branches for entry in branch.journal)
@@ -121,14 +119,14 @@ def _answer(scenario: Scenario, seed: int, gamma: float) -> tuple[TabularMDP | N
 
 @dataclass(frozen=True, slots=True)
 class LastRun:
-    """Mean returns of a person's last run, oldest first, and a summary."""
+    """Mean returns of the last run, oldest first."""
 
     returns: FloatArray
     told: str
 
 
 def last_run(session: StoredSession) -> LastRun | None:
-    """Repeat the run of ``session``, or return None if that is impossible or too long."""
+    """Repeat a session's run if possible and short."""
     try:
         record = session.record()
         lane = record.lanes[record.shown]
@@ -172,11 +170,11 @@ def last_run_text(run: LastRun, width: int, look: Look) -> Text:
 
 
 def moment_line(moment: Snapshot, look: Look) -> RenderableType:
-    """Return step, mean return and episode of the run, as many as fit."""
+    """Return step, mean return and episode."""
     counters, mean_return = moment.counters, moment.results.return_last_100
     parts = [f"step {counters.step:,}"]
     if mean_return is not None:
-        parts.append(f"return {_return(mean_return)}")
+        parts.append(f"mean return {_return(mean_return)}")
     if not moment.agent.row.planner:
         parts.append(f"episode {counters.episodes:,}")
     return PartsLine(" · ".join(parts), look)

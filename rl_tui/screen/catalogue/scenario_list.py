@@ -1,10 +1,12 @@
-"""Lists of one-line rows, and the list of scenarios."""
+"""Lists of one-line rows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
+from pathlib import Path
 from typing import ClassVar, Final
 
 from rich.cells import cell_len
@@ -14,15 +16,19 @@ from textual.binding import BindingType
 from textual.containers import Horizontal
 from textual.widgets import Static
 from textual.widgets.option_list import Option
+from textual.worker import WorkerCancelled
 
-from rl_tui.common.errors import ScenarioError
+from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import StoredSession
 from rl_tui.screen.catalogue.facts import FullWidth
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.kit.bindings import ListInput, RowList, binding
+from rl_tui.screen.terminal.linked_app import LinkedApp, is_open
 from rl_tui.screen.theme.glyphs import ASCII
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms, Graph, Grid
@@ -32,13 +38,12 @@ from rl_tui.worlds.files.scenario import Scenario
 # Rows
 
 
-FAULTY: Final = "!"
 _LONGEST_NAME: Final = 255
 _MARK: Final = 3  # columns before a title: a blank, the mark, a blank
 
 
 class ListRow(FullWidth):
-    """One line: ``mark``, ``title`` and ``size``, of which only the title is shortened."""
+    """``mark``, ``title`` (shortened if needed) and ``size``."""
 
     def __init__(self, mark: str, title: str, size: str, look: Look) -> None:
         self._mark, self._title, self._size = mark, to_ascii(title, look.glyphs), to_ascii(size, look.glyphs)
@@ -53,22 +58,30 @@ class ListRow(FullWidth):
         yield Text(f" {self._mark or ' '} {title}{gap}{size}", no_wrap=True)
 
 
-class Heading(FullWidth):
-    """One line: a title, then a rule."""
+def faulty_row(error: ScenarioError, look: Look) -> ListRow:
+    """Return the row of a file with errors."""
+    name = one_line(error.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
+    return ListRow("!", name, counted(len(error.faults), "error"), look)
 
-    def __init__(self, title: str, look: Look) -> None:
+
+class Heading(FullWidth):
+    """A title, then a rule, which may end with a column's ``head``."""
+
+    def __init__(self, title: str, look: Look, head: str = "") -> None:
         self._title, self._look = to_ascii(title, look.glyphs), look
+        self._end = f" {head}" if head else ""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        rule = self._look.glyphs.axis_horizontal * (options.max_width - cell_len(self._title) - 1)
-        yield Text.assemble((self._title, "bold"), f" {rule}", no_wrap=True)
+        taken = cell_len(self._title) + 1 + cell_len(self._end)
+        rule = self._look.glyphs.axis_horizontal * (options.max_width - taken)
+        yield Text.assemble((self._title, "bold"), f" {rule}{self._end}", no_wrap=True)
 
 
 # Progress in a world
 
 
 class Mark(IntEnum):
-    """A person's progress in a scenario, according to the saved sessions."""
+    """A person's progress, by the saved sessions."""
 
     NEW = 0
     OPENED = 1
@@ -76,8 +89,12 @@ class Mark(IntEnum):
     OPTIMAL = 3
 
 
+MEANINGS: Final = ("opened", "run", "optimal policy found")
+"""The meanings of the marks after ``NEW``."""
+
+
 def marks_of(sessions: Iterable[StoredSession]) -> dict[str, Mark]:
-    """Return marks by scenario id, without the sessions of lessons."""
+    """Return marks by scenario, without lesson sessions."""
     marks = dict[str, Mark]()
     for session in sessions:
         document = session.document
@@ -89,7 +106,7 @@ def marks_of(sessions: Iterable[StoredSession]) -> dict[str, Mark]:
 
 
 def size_of(scenario: Scenario) -> str:
-    """Return the size of a world as far as its file gives it."""
+    """Return a world's size, if in its file."""
     match scenario.section.sketch():
         case Grid(rows=rows, columns=columns, axes=axes, body=body) if axes is None or body is not None:
             return f"{rows}×{columns}"
@@ -105,7 +122,7 @@ def size_of(scenario: Scenario) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A lesson or a word that the filter has found."""
+    """A lesson or word that the filter found."""
 
     group: str
     id: str
@@ -116,7 +133,7 @@ Entry = Scenario | ScenarioError | Hit
 
 
 class ScenarioList(RowList):
-    """The list of ``catalogue``, with faulty files last."""
+    """The scenarios, with faulty files last."""
 
     def __init__(self, look: Look, catalogue: Catalogue) -> None:
         super().__init__(id="scenarios", classes="panel")
@@ -128,17 +145,17 @@ class ScenarioList(RowList):
 
     @property
     def current(self) -> Entry | None:
-        """The entry under the cursor, None without a cursor."""
+        """The entry under the cursor, if any."""
         return None if self.highlighted is None else self._entries[self.highlighted]
 
     def start_at(self, scenario: str) -> None:
-        """Put the cursor on the id ``scenario``, else on the first row."""
+        """Put the cursor on a scenario, else the first."""
         ids = [option.id for option in self.options]
         first = next((number for number, option in enumerate(self.options) if not option.disabled), None)
         self.highlighted = ids.index(scenario) if scenario in ids else first
 
     def show(self, words: str = "", hits: Sequence[Hit] = ()) -> int:
-        """List the scenarios with all of ``words``, then ``hits``. Return their number."""
+        """List matches of ``words`` and ``hits``, returning their number."""
         here = self.highlighted_option
         rows = list(self._rows(words, hits))
         self._entries = [entry for _, entry in rows]
@@ -150,14 +167,14 @@ class ScenarioList(RowList):
         return sum(isinstance(entry, Scenario) for entry in self._entries)
 
     def show_marks(self, marks: Mapping[str, Mark]) -> None:
-        """Show the progress in the rows of listed scenarios."""
+        """Show the progress in the listed scenarios."""
         self._marks = marks
         for entry in self._entries:
             if isinstance(entry, Scenario):
                 self.replace_option_prompt(entry.id, self._row(entry))
 
     def action_cursor_up(self) -> None:
-        """Move to the row before, or from the first one to the doors."""
+        """Move up, from the first row to the doors."""
         if self.highlighted is not None and any(
             not each.disabled for each in self.options[: self.highlighted]
         ):
@@ -166,22 +183,21 @@ class ScenarioList(RowList):
             self.screen.focus_previous()
 
     def _rows(self, words: str, hits: Sequence[Hit]) -> Iterator[tuple[Option, Entry | None]]:
-        group = ""
+        group = head = ""
         for scenario in self._catalogue.scenarios:
             own = group_of(scenario)
             if not has_words(f"{scenario.title} {scenario.id} {own} {scenario.summary}", words):
                 continue
             if own != group:
-                group = own
-                yield self._heading(group), None
+                counted_by = "arms" if isinstance(scenario.section.sketch(), Arms) else "size"
+                yield self._heading(own, counted_by if counted_by != head else ""), None
+                group, head = own, counted_by
             yield Option(self._row(scenario), id=scenario.id), scenario
         broken = [] if words else self._catalogue.broken
         if broken and group != YOURS:
             yield self._heading(YOURS), None
         for number, error in enumerate(broken):
-            name = one_line(error.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
-            errors = counted(len(error.faults), "error")
-            yield Option(ListRow(FAULTY, name, errors, self._look), id=f"/faulty/{number}"), error
+            yield Option(faulty_row(error, self._look), id=f"/faulty/{number}"), error
         for hit in hits:
             if hit.group != group:
                 group = hit.group
@@ -193,12 +209,12 @@ class ScenarioList(RowList):
         sign = "" if mark is Mark.NEW else self._look.glyphs.progress[mark - 1]
         return ListRow(sign, scenario.title, size_of(scenario), self._look)
 
-    def _heading(self, group: str) -> Option:
-        return Option(Heading(group, self._look), disabled=True)
+    def _heading(self, group: str, head: str = "") -> Option:
+        return Option(Heading(group, self._look, head), disabled=True)
 
 
 def has_words(text: str, words: str) -> bool:
-    """Return True if all of ``words`` occur in ``text``, in any spelling (8x8 for 8×8)."""
+    """Return whether ``words`` occur, in any spelling (8x8 for 8×8)."""
     spelled = to_ascii(text, ASCII).casefold()
     return all(word in spelled for word in to_ascii(words, ASCII).casefold().split())
 
@@ -210,7 +226,7 @@ _LONGEST_FILTER: Final = 40
 
 
 class FilterInput(ListInput):
-    """A line for the words that filter a list."""
+    """The words that filter a list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("escape", "screen.show_all", "filter.all", "Show all rows again."),
@@ -218,7 +234,7 @@ class FilterInput(ListInput):
 
 
 class Filter(Horizontal):
-    """The line of a filter: its words and the number of matches."""
+    """A filter's words and number of matches."""
 
     def __init__(self, look: Look) -> None:
         line = FilterInput(id="filter-words", max_length=_LONGEST_FILTER, compact=True)
@@ -244,3 +260,58 @@ class Filter(Horizontal):
     def tell(self, found: str) -> None:
         """Show what was found."""
         self.query_one("#filter-found", Static).update(separated(found, self._look.glyphs))
+
+
+# A screen with lists
+
+
+class ListScreen(ActionScreen):
+    """A screen whose rows are read after the first paint. ``sessions``: their folder."""
+
+    def __init__(self, look: Look, start_at: str, fault: UserError | None, sessions: Path | None) -> None:
+        super().__init__(look)
+        self._start_at = start_at
+        self._fault = fault
+        self._sessions = sessions
+
+    def first_row(self, text: str) -> Static:
+        """Return the first row."""
+        return Static(f" rl-tui  {text}{'  kiosk' if self.in_kiosk else ''}", id="title")
+
+    def on_mount(self) -> None:
+        """Show an error, and start slow work after the first paint."""
+        if self._fault is not None:
+            complain(self.app, self._fault)
+        self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
+
+    async def _begin_when_painted(self) -> None:
+        if isinstance(self.app, LinkedApp):
+            await self.app.painted()
+        self.begin()
+
+    def begin(self) -> None:
+        """Start slow work."""
+        raise NotImplementedError
+
+    def on_option_list_option_highlighted(self) -> None:
+        """Show the row's details."""
+        self.show_current()
+
+    def show_current(self) -> None:
+        """Show the row's details."""
+        raise NotImplementedError
+
+    def deliver(self, take: Callable[..., None], *results: object) -> None:
+        """Call ``take`` with the results of a thread, unless the screen is closed by then."""
+
+        def take_if_open() -> None:
+            if is_open(self):
+                take(*results)
+
+        self.call_later(take_if_open)
+
+    async def finished(self, group: str) -> None:
+        """Wait for the workers of ``group``."""
+        while under_way := [each for each in self.workers if each.group == group and not each.is_finished]:
+            with suppress(WorkerCancelled):
+                await self.workers.wait_for_complete(under_way)

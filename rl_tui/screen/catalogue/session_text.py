@@ -1,4 +1,4 @@
-"""Recent sessions: list, details, and the base of their screens."""
+"""Recent sessions and the base of their screens."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import SessionError, StoredSession, files_in, remove, sessions_in
 from rl_tui.runs.timeline.run_names import feature_text, features_of
 from rl_tui.screen.catalogue.facts import FullWidth, labelled
+from rl_tui.screen.catalogue.scenario_list import ListScreen
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
-from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.kit.bindings import RowList
-from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
 
 
 def settings_of(session: StoredSession) -> list[str]:
-    """Return the current values of the settings with a slider."""
+    """Return the sliders' values."""
     features = _features(session)
     sliders = [name for name in features if name in PARAMETERS and PARAMETERS[name].slide is not None]
     return [feature_text(name, features[name]) for name in sliders]
@@ -100,7 +100,7 @@ _MOST_OWN: Final = 4
 
 
 class SessionRow(FullWidth):
-    """Two lines of the list, with what is ``different`` from similar sessions."""
+    """Two lines, with what is ``different`` from similar sessions."""
 
     def __init__(
         self,
@@ -129,7 +129,7 @@ class SessionRow(FullWidth):
 
 
 def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
-    """Return the details of ``session``: world, settings, changes and step."""
+    """Return world, settings, changes and step."""
     palette, glyphs, document = look.palette, look.glyphs, session.document
     lane = document.lanes[document.shown]
     branch = lane.branches[lane.branch]
@@ -164,7 +164,7 @@ def _how_long(session: StoredSession) -> str:
 
 
 def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Look) -> RenderableType:
-    """Return a heading, and a line per newest session."""
+    """Return a heading, and a line per session."""
     lines = [Text("Sessions (tab)", look.palette.strong)]
     for session in sessions[:_MOST_OWN]:
         age = short_age(now - session.saved, session.saved)
@@ -174,12 +174,12 @@ def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Lo
 
 
 def algorithm_name(algorithm: str) -> str:
-    """Return the name of an algorithm id, or the id if unknown."""
+    """Return an algorithm's name, or its id."""
     return BY_ID[algorithm].name if algorithm in BY_ID else algorithm
 
 
 def short_age(age: timedelta, moment: datetime) -> str:
-    """Return a short ``age``, or the date of ``moment`` after two weeks."""
+    """Write a short ``age``, after two weeks the date."""
     seconds = int(age.total_seconds())
     if age.days >= _MOST_DAYS:
         return moment.astimezone().strftime("%Y-%m-%d")
@@ -187,7 +187,7 @@ def short_age(age: timedelta, moment: datetime) -> str:
 
 
 def long_age(age: timedelta) -> str:
-    """Return ``age`` in words."""
+    """Write ``age`` in words."""
     seconds = int(age.total_seconds())
     ages = (f"{counted(seconds // length, word)} ago" for length, _, word in _UNITS if seconds >= length)
     return next(ages, "less than a minute ago")
@@ -222,7 +222,7 @@ class SessionList(RowList):
 
     @property
     def current(self) -> Entry | None:
-        """The entry under the cursor, None without a cursor."""
+        """The entry under the cursor, if any."""
         if self.highlighted is None or self.highlighted >= len(self.entries):
             return None
         return self.entries[self.highlighted]
@@ -248,49 +248,35 @@ class SessionList(RowList):
 # A screen with sessions
 
 
-class SavedSessions(ActionScreen):
-    """A screen with a list of sessions from the folder ``sessions``."""
+class SavedSessions(ListScreen):
+    """A screen with the sessions from the folder ``sessions``."""
 
     @dataclass
     class Resumed(Message):
-        """The user wants to go on with a session. ``record`` is its contents."""
+        """The user goes on with a session, whose contents are ``record``."""
 
         session: StoredSession
         record: Record
 
-    def __init__(self, look: Look, sessions: Path | None) -> None:
-        super().__init__(look)
-        self._sessions = sessions
+    def __init__(self, look: Look, start_at: str, fault: UserError | None, sessions: Path | None) -> None:
+        super().__init__(look, start_at, fault, sessions)
         self._sessions_read = asyncio.Event()
 
     @property
     def has_files(self) -> bool:
-        """True if the folder has files that may be sessions."""
+        """True if the folder may have sessions."""
         return self._sessions is not None and bool(files_in(self._sessions))
 
-    def show_current(self) -> None:
-        """Show the details of the row under the cursor."""
-        raise NotImplementedError
-
     def show_sessions(self, sessions: Sequence[StoredSession]) -> None:
-        """Show the parts of the screen that depend on ``sessions``, the newest first."""
+        """Show what depends on ``sessions``."""
         raise NotImplementedError
-
-    def on_mount(self) -> None:
-        """Start the slow work after the first paint."""
-        self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
-
-    async def _begin_when_painted(self) -> None:
-        if isinstance(self.app, LinkedApp):
-            await self.app.painted()
-        self.begin()
 
     def begin(self) -> None:
-        """Start to read the files."""
+        """Read the files."""
         self._read_sessions()
 
     async def sessions_read(self) -> None:
-        """Wait until the files are read and listed."""
+        """Wait until the files are listed."""
         await self._sessions_read.wait()
 
     def _read_sessions(self) -> None:
@@ -303,7 +289,7 @@ class SavedSessions(ActionScreen):
     def _read(self, folder: Path) -> None:
         sound, broken = sessions_in(folder)  # in the thread: only scheduled calls leave it
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.call_later(self._list_sessions, [*sound, *broken])
+            self.deliver(self._list_sessions, [*sound, *broken])
 
     def _list_sessions(self, entries: Sequence[Entry]) -> None:
         sessions = self.query_one(SessionList)
@@ -322,7 +308,7 @@ class SavedSessions(ActionScreen):
         try:
             record = await asyncio.to_thread(session.record)  # may import Gymnasium
         except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            complain(self.app, fault)
         else:
             self.post_message(self.Resumed(session, record))
 
@@ -336,7 +322,7 @@ class SavedSessions(ActionScreen):
             try:
                 remove(session)
             except UserError as fault:
-                self.notify(str(fault), severity="error", markup=False)
+                complain(self.app, fault)
             self._read_sessions()
 
         question = f"Delete the session {session.title}, at step {session.step:,}? This cannot be undone."

@@ -18,21 +18,16 @@ from rl_tui.screen.panels.controls.slider_picture import parsed
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.mdp.space import FiniteSpace
 
-# Algorithm, policy, words
+# Algorithm and policy
 
 
 _TAKEN: Final = "this run has it"
 
 
 def algorithm_choice(
-    space: FiniteSpace,
-    recipe: Recipe,
-    glyphs: Glyphs,
-    title: str = "",
-    *,
-    taken: str = "",
+    space: FiniteSpace, recipe: Recipe, glyphs: Glyphs, title: str = "", *, taken: str = ""
 ) -> Choice:
-    """Return the choice of an algorithm, with a ``title`` for another run than ``taken``."""
+    """Return the algorithms, other than ``taken`` for another run."""
     candidates = [
         _candidate(each, _TAKEN if each.id == taken else _refused(space, each.id, recipe.hyperparameters))
         for each in BY_ID.values()
@@ -44,30 +39,13 @@ def algorithm_choice(
 
 
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
-    """Return the choice of a policy, with reasons where one does not work in ``space``."""
+    """Return the policies, with reasons against some."""
     values = recipe.hyperparameters.without_average()
     candidates = (
         _candidate(each, _refused(space, recipe.algorithm, values.changed("policy", each.id)))
         for each in POLICY_BY_ID.values()
     )
     return Choice("Policy: how actions are chosen", candidates, recipe.hyperparameters.policy, glyphs)
-
-
-def word_choice(name: str, value: float | str, glyphs: Glyphs) -> Choice:
-    """Return the choice among the words of the parameter ``name``."""
-    parameter = PARAMETERS[name]
-    candidates = (
-        Candidate(word, word.replace("-", " "), _MEANINGS.get(word, ())) for word in parameter.words
-    )
-    return Choice(f"{parameter.symbol}: {parameter.help}", candidates, str(value), glyphs)
-
-
-_MEANINGS = {
-    "constant": ("the same in every episode",),
-    "linear": ("each episode subtracts the decay, down to the minimum",),
-    "exponential": ("exponential decay to the minimum: min + (start − min) · exp(−decay · episode)",),
-    SAMPLE_AVERAGE: ("1/N: the mean of all targets so far",),
-}
 
 
 def _candidate(row: Algorithm | Policy, refused: str) -> Candidate:
@@ -84,22 +62,26 @@ def _refused(space: FiniteSpace, algorithm: str, values: Hyperparameters) -> str
     return ""
 
 
-# Prompts for numbers and the seed
+# Numbers, words and the seed
 
 
 _EXAMPLES = {"initial_q": "0 or 2.5"}
+_MEANINGS = {
+    "constant": ("The same in every episode.",),
+    "linear": ("Each episode subtracts the decay, down to the minimum.",),
+    "exponential": ("Exponential decay to the minimum: min + (start − min) · exp(−decay · episode)",),
+    SAMPLE_AVERAGE: ("1/N: the mean of all targets so far.",),
+}
 
 
 def ask_value(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Form:
-    """Return the question for the value of ``name``, a number or a word."""
-    if PARAMETERS[name].range is None:
-        return word_choice(name, value, glyphs)
-    return ask_number(name, value, glyphs, another_run=another_run)
-
-
-def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Prompt:
-    """Return the prompt for the setting ``name`` of this or ``another_run``."""
+    """Ask for a number or a word, maybe of ``another_run``."""
     parameter = PARAMETERS[name]
+    if parameter.range is None:
+        candidates = (
+            Candidate(word, word.replace("-", " "), _MEANINGS.get(word, ())) for word in parameter.words
+        )
+        return Choice(f"{parameter.symbol}: {parameter.help}", candidates, str(value), glyphs)
     starts = "; the run starts again" if name == "initial_q" and not another_run else ""
     word = "; 1/N is the sample average" if SAMPLE_AVERAGE in parameter.words else ""
 
@@ -115,7 +97,7 @@ def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bo
 
 
 def ask_seed(seed: int, glyphs: Glyphs) -> Form:
-    """Return the question for the seed, now ``seed``."""
+    """Ask for the seed, now ``seed``."""
     candidates = (
         Candidate(str(seed), "the same seed", ("The same run again.",), value=str(seed)),
         Candidate(

@@ -1,4 +1,4 @@
-"""The dialogs that compare runs."""
+"""Dialogs that compare runs."""
 
 from __future__ import annotations
 
@@ -10,32 +10,72 @@ from rich.cells import cell_len
 from rich.text import Text
 from textual.binding import Binding, BindingType
 
-from rl_tui.agents.catalogue import algorithm_row
+from rl_tui.agents.catalogue import algorithm_row, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, why_idle
+from rl_tui.common.errors import UserError
 from rl_tui.live.commands import ChooseLane, DropLane, MarkLane
-from rl_tui.runs.recipe import Recipe
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.recipe import Recipe, SetParameter, Setting, SwitchAlgorithm, changed_recipe
+from rl_tui.runs.settings import settings_for
 from rl_tui.runs.timeline.lane_view import LaneView
+from rl_tui.runs.timeline.run_names import branch_in_words, difference
 from rl_tui.screen.dialogs.form import MARKS, Candidate, Choice, Form
-from rl_tui.screen.dialogs.lane_changes import what_may_differ
 from rl_tui.screen.dialogs.options import SettingChoice
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.kit.snapshot_facts import recent_name
+from rl_tui.screen.kit.snapshot_facts import current_study, hides_greedy, keeps_back, recent_name
+from rl_tui.screen.panels import seed_figures
 from rl_tui.screen.panels.budget import sum_decimals, sum_text
 from rl_tui.screen.panels.curve.text import amount, decimals_for, no_end
-from rl_tui.screen.panels.seed_figures import (
-    GREEDY,
-    LAST_100,
-    REGRET,
-    WINNINGS,
-    StudyFigure,
-    estimate_text,
-    figure_decimals,
-    until_of,
-)
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import SeedStudy
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import FiniteSpace
+
+# Differences of another run
+
+
+ALGORITHM = "algorithm"
+
+
+def what_may_differ(recipe: Recipe) -> tuple[str, ...]:
+    """Return ``algorithm`` and the settings that count, schedules last."""
+    names = [
+        name
+        for name in parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
+        if recipe.scenario.kind != "bandit"
+        or not why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=True)
+    ]
+    return (ALGORITHM, *sorted(names, key=lambda name: PARAMETERS[name].schedule))
+
+
+def lane_changes(space: FiniteSpace, recipe: Recipe, name: str, value: float | str) -> tuple[Setting, ...]:
+    """Return the changes for another run.
+
+    Raises:
+        UserError: The value does not work in ``space``, or makes no difference.
+    """
+    setting = SwitchAlgorithm(str(value)) if name == ALGORITHM else SetParameter(name, value)
+    changes = settings_for(space, recipe, setting)
+    if not difference(recipe, changed_recipe(recipe, *changes)):
+        raise UserError("this changes nothing. Choose another value")
+    return changes
+
+
+def branches_beside(snapshot: Snapshot) -> dict[int, str]:
+    """Describe the branches that can be opened beside."""
+    timeline, is_bandit = snapshot.timeline, isinstance(snapshot.world.drawing, Arms)
+    unit, here = "pull" if is_bandit else "step", timeline.current.journal
+    pasts = [lane.past for lane in snapshot.run_group.lanes if lane.past is not None]
+    there = [past.journal for past in pasts if past.begun == snapshot.recipe]
+    return {
+        number: f"{branch_in_words(branch.name, branch.journal, [here], unit)} · to {unit} {branch.end:,}"
+        for number, branch in enumerate(timeline.branches)
+        if number != timeline.branch and branch.journal not in there
+    }
+
 
 # The runs as a table
 
@@ -43,13 +83,6 @@ from rl_tui.studies.many_seeds.figures import SeedStudy
 _LEAST_NAME: Final = 8
 _LEAST_COLUMN: Final = 8
 _STEP: Final = 10  # cells of a number of steps
-
-
-class LaneRow(NamedTuple):
-    """The row of a run, and the one below with mean and standard error."""
-
-    own: str
-    of_seeds: str
 
 
 class _Column(NamedTuple):
@@ -63,54 +96,12 @@ class _Column(NamedTuple):
         return max(_LEAST_COLUMN, *map(cell_len, (self.head, *self.own, *self.of_seeds)))
 
 
-def lane_rows(
-    lanes: Sequence[LaneView],
-    roles: Sequence[str],
-    study: SeedStudy | None,
-    look: Look,
-    width: int,
-    *,
-    hidden: bool,
-) -> tuple[str, list[LaneRow]]:
-    """Return a heading and a row of ``width`` cells per run."""
-    columns = [*_columns(lanes, study, look, hidden=hidden), _role_column(roles)]
-    while len(columns) > 1 and _room(columns, width) < _LEAST_NAME:
-        last = max(columns, key=lambda column: column.rank)
-        columns = [column for column in columns if column is not last]
-    room = _room(columns, width)
-
-    def row(name: str, texts: Sequence[str], skipped: int = 0) -> str:
-        cells = [f" {text:>{column.cells}}" for text, column in zip(texts, columns, strict=True)]
-        name_room = room + sum(map(cell_len, cells[:skipped]))
-        name = shortened(name, name_room, look.glyphs.ellipsis)
-        return f"{name:<{name_room}}{''.join(cells[skipped:])}"
-
-    seeds, empty = "", sum(1 for _ in takewhile(lambda column: not any(column.of_seeds), columns))
-    if study is not None:
-        seeds = f"  {study.seeds} seeds"
-        whole = f"{seeds}{until_of(study, [lane.episodes for lane in lanes])}"
-        free = room + sum(1 + column.cells for column in columns[:empty])
-        seeds = whole if cell_len(whole) <= free else seeds
-    found = []
-    for number, lane in enumerate(lanes):
-        own = row(to_ascii(lane.name, look.glyphs), [column.own[number] for column in columns])
-        below = row(seeds, [column.of_seeds[number] for column in columns], empty) if seeds else ""
-        found.append(LaneRow(own, below))
-    return row("run", [column.head for column in columns]), found
-
-
-def recent_of(lanes: Sequence[LaneView]) -> str:
-    """Return the name of the mean of the last 100 episodes for all ``lanes``."""
+def _recent_of(lanes: Sequence[LaneView]) -> str:
     return recent_name(*(lane.episodes for lane in lanes if lane.results.return_last_100 is not None))
 
 
 def _room(columns: Sequence[_Column], width: int) -> int:
     return max(0, width - sum(1 + column.cells for column in columns))
-
-
-def _role_column(roles: Sequence[str]) -> _Column:
-    width = max(map(cell_len, roles))
-    return _Column("", [f"{each:<{width}}" for each in roles], [""] * len(roles), 8)
 
 
 def _columns(
@@ -127,18 +118,20 @@ def _columns(
     def returns(values: Sequence[float | None]) -> list[str]:
         return [_dash(look) if x is None else amount(x, decimals, look.glyphs) for x in values]
 
-    def of_seeds(figure: StudyFigure, *, secret: bool = False) -> list[str]:
+    def of_seeds(figure: seed_figures.StudyFigure, *, secret: bool = False) -> list[str]:
         if study is None or secret:
             return nothing
-        found = figure_decimals(figure, study)
+        found = seed_figures.figure_decimals(figure, study)
         estimates = (lane.estimates.get(figure.id) for lane in study.lanes)
-        return [to_ascii(estimate_text(each, found, look.glyphs), look.glyphs) for each in estimates]
+        return [
+            to_ascii(seed_figures.estimate_text(each, found, look.glyphs), look.glyphs) for each in estimates
+        ]
 
     width = max(map(cell_len, ("algorithm", *algorithms)))
     columns = [
         _Column(f"{'algorithm':<{width}}", [f"{each:<{width}}" for each in algorithms], nothing, 9),
         _Column("step", steps, nothing, 7),
-        _Column(recent_of(lanes), returns(recent), of_seeds(LAST_100), 1),
+        _Column(_recent_of(lanes), returns(recent), of_seeds(seed_figures.LAST_100), 1),
     ]
     spent = [lane.results.bandit for lane in lanes]
     known = [each for each in spent if each is not None]
@@ -150,13 +143,13 @@ def _columns(
             _dash(look) if each is None or hidden else sum_text(each.regret, digits, look) for each in spent
         ]
         columns += [
-            _Column("winnings", won, of_seeds(WINNINGS), 2),
-            _Column("regret", lost, of_seeds(REGRET, secret=hidden), 3),
+            _Column("winnings", won, of_seeds(seed_figures.WINNINGS), 2),
+            _Column("regret", lost, of_seeds(seed_figures.REGRET, secret=hidden), 3),
         ]
     exact = [_dash(look)] * len(lanes) if hidden else returns(greedy)
     ends = [None if hidden else lane.results.greedy_ends for lane in lanes]
     exact = [text if end is None else no_end(end) for text, end in zip(exact, ends, strict=True)]
-    return [*columns, _Column("greedy", exact, of_seeds(GREEDY, secret=hidden), 5)]
+    return [*columns, _Column("greedy", exact, of_seeds(seed_figures.GREEDY, secret=hidden), 5)]
 
 
 def _dash(look: Look) -> str:
@@ -171,7 +164,7 @@ EXACT: Final = "w h"  # the keys that show hidden values
 
 
 def setting_choice(recipe: Recipe, glyphs: Glyphs) -> SettingChoice:
-    """Return the choice of the setting in which another run differs."""
+    """Return the settings that can differ."""
     names = what_may_differ(recipe)[1:]
     return SettingChoice(
         "Another run that differs in", lambda: names, lambda: recipe, glyphs, another_run=True
@@ -179,7 +172,7 @@ def setting_choice(recipe: Recipe, glyphs: Glyphs) -> SettingChoice:
 
 
 def branch_choice(branches: Mapping[int, str], glyphs: Glyphs) -> Choice:
-    """Return the choice of a branch to compare with, the newest first."""
+    """Return the branches, the newest first."""
     rows = [Candidate(str(number), words) for number, words in sorted(branches.items(), reverse=True)]
     return Choice("A branch of this run beside it", rows, "", glyphs)
 
@@ -188,68 +181,46 @@ def branch_choice(branches: Mapping[int, str], glyphs: Glyphs) -> Choice:
 
 
 _PAIR: Final = 2
-_KEYS: Final = "del: end"
-_KEYS_OF_MORE: Final = "space: beside   del: end"
 _CONTROL: Final = "control"
 _BESIDE: Final = "beside"
 _RETURNS: Final = "Undiscounted returns: mean of the {recent}, and the exact value for the greedy policy."
-_ONE_SEED: Final = "One seed decides nothing"
 _HIDDEN: Final = f"Hidden until {EXACT}."
-_KEPT: Final = "The lesson hides it."
 _MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
 Answer = ChooseLane | MarkLane | DropLane
 """The run to control, to show next to it, or to end."""
 
 
 class RunTable(Form):
-    """Two or more ``lanes``, of which you control ``shown`` and see ``beside``."""
+    """The runs, one controlled and maybe another in view."""
 
+    least_room: ClassVar[int] = 90
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("delete,backspace", "end", "end run", id="compare.end", tooltip="End the run."),
         Binding("space", "mark", "beside", id="compare.mark", tooltip="Show the run beside yours."),
     ]
 
-    def __init__(
-        self,
-        look: Look,
-        lanes: Sequence[LaneView],
-        shown: int,
-        *,
-        hidden: bool,
-        beside: int | None = None,
-        study: SeedStudy | None = None,
-        is_program: bool = False,
-        is_kept: bool = False,
-    ) -> None:
-        self._look = look
-        self._lanes = lanes
-        self._shown = shown
-        self._hidden = hidden
-        self._study = study
-        roles = [""] * len(lanes)
-        roles[shown] = _CONTROL
-        if beside is not None and len(lanes) > _PAIR:
-            roles[beside] = _BESIDE
-        self._roles = roles
-        more = "rl-tui grade runs your program under many" if is_program else "t m runs many"
-        seeds = f"{_ONE_SEED}: {more}."
+    def __init__(self, look: Look, snapshot: Snapshot) -> None:
+        group, self._look = snapshot.run_group, look
+        self._lanes, self._shown = group.lanes, group.shown
+        self._hidden, self._study = hides_greedy(snapshot), current_study(snapshot)
+        self._roles = [""] * len(self._lanes)
+        self._roles[self._shown] = _CONTROL
+        if group.beside is not None and len(self._lanes) > _PAIR:
+            self._roles[group.beside] = _BESIDE
+        more = "t m runs many" if snapshot.program is None else "rl-tui grade runs your program under many"
+        secret = "The lesson hides it." if keeps_back(snapshot, "answer") else _HIDDEN
         self.about_lanes = [
-            _RETURNS.format(recent=recent_of(lanes)),
-            _MANY_SEEDS if study is not None else seeds,
-            *([_KEPT if is_kept else _HIDDEN] if hidden else []),
+            _RETURNS.format(recent=_recent_of(self._lanes)),
+            f"One seed proves nothing: {more}." if self._study is None else _MANY_SEEDS,
+            *([secret] if self._hidden else []),
         ]
-        rows = [
-            Candidate("", "run"),
-            *(Candidate(str(number), lane.name) for number, lane in enumerate(lanes)),
-        ]
-        keys = _KEYS_OF_MORE if len(lanes) > _PAIR else _KEYS
-        super().__init__("Runs", rows, str(shown), look.glyphs, keys=keys)
+        runs = (Candidate(str(number), lane.name) for number, lane in enumerate(self._lanes))
+        keys = "space: beside   del: end" if len(self._lanes) > _PAIR else "del: end"
+        super().__init__("Runs", (Candidate("", "run"), *runs), str(self._shown), look.glyphs, keys=keys)
 
     def describe(self, candidate: Candidate) -> Text:
-        """Return the row of a run, or the heading."""
-        head, rows = lane_rows(
-            self._lanes, self._roles, self._study, self._look, self.room - MARKS, hidden=self._hidden
-        )
+        """Return a run's row, or the heading."""
+        head, rows = self._rows(self.room - MARKS)
         if not candidate.id:
             return Text(f"{' ' * MARKS}{head}")
         own, of_seeds = rows[int(candidate.id)]
@@ -258,8 +229,36 @@ class RunTable(Form):
         )
         return text.append(f"\n{' ' * MARKS}{of_seeds}", "not bold") if of_seeds else text
 
+    def _rows(self, width: int) -> tuple[str, list[tuple[str, str]]]:
+        lanes, study, look = self._lanes, self._study, self._look
+        longest = max(map(cell_len, self._roles))
+        roles = _Column("", [f"{each:<{longest}}" for each in self._roles], [""] * len(lanes), 8)
+        columns = [*_columns(lanes, study, look, hidden=self._hidden), roles]
+        while len(columns) > 1 and _room(columns, width) < _LEAST_NAME:
+            columns.remove(max(columns, key=lambda column: column.rank))
+        room = _room(columns, width)
+
+        def row(name: str, texts: Sequence[str], skipped: int = 0) -> str:
+            cells = [f" {text:>{column.cells}}" for text, column in zip(texts, columns, strict=True)]
+            name_room = room + sum(map(cell_len, cells[:skipped]))
+            name = shortened(name, name_room, look.glyphs.ellipsis)
+            return f"{name:<{name_room}}{''.join(cells[skipped:])}"
+
+        seeds, empty = "", sum(1 for _ in takewhile(lambda column: not any(column.of_seeds), columns))
+        if study is not None:
+            seeds = f"  {study.seeds} seeds"
+            whole = f"{seeds}{seed_figures.until_of(study, [lane.episodes for lane in lanes])}"
+            free = room + sum(1 + column.cells for column in columns[:empty])
+            seeds = whole if cell_len(whole) <= free else seeds
+        found = []
+        for number, lane in enumerate(lanes):
+            own = row(to_ascii(lane.name, look.glyphs), [column.own[number] for column in columns])
+            below = row(seeds, [column.of_seeds[number] for column in columns], empty) if seeds else ""
+            found.append((own, below))
+        return row("run", [column.head for column in columns]), found
+
     def about(self, candidate: Candidate) -> str:
-        """Return how far to trust the numbers, the same for every run."""
+        """Describe how far to trust the numbers."""
         return to_ascii("\n".join(self.about_lanes), self.glyphs)
 
     def choose(self, id: str) -> None:  # noqa: A002
@@ -271,7 +270,7 @@ class RunTable(Form):
         self.dismiss(DropLane(int(self.at or 0)))
 
     def action_mark(self) -> None:
-        """Answer the run to show next to yours."""
+        """Answer the run to show too."""
         lane = int(self.at or 0)
         if len(self._lanes) <= _PAIR:
             self.tell_about("Not here: both runs are shown. A choice needs three or more.")

@@ -1,8 +1,7 @@
-"""Dialogs: boxes over another screen, closed by escape."""
+"""Boxes over another screen."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar, Final, TypeVar
 
@@ -18,10 +17,8 @@ from textual.widgets import Static
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import key_at
-from rl_tui.screen.panels.model.model import ModelPanel
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.screen.theme.look import Look
 
 # The base of all dialogs
 
@@ -31,7 +28,7 @@ _BORDER_END: Final = 3  # a blank, a piece of line and the corner
 
 
 class Dialog(ModalScreen[Result | None]):
-    """A modal screen with a bordered ``box``, closed by escape without an answer."""
+    """A modal screen with a ``box``, closed by escape."""
 
     # absolute, because Textual looks in the folder of the subclass
     CSS_PATH = Path(__file__).with_name("dialog.tcss")
@@ -40,18 +37,18 @@ class Dialog(ModalScreen[Result | None]):
     ]
 
     def on_mount(self) -> None:
-        """Leave the screen below undimmed on a slow link, because dimming costs time."""
+        """Keep the screen undimmed on a slow link: dimming costs time."""
         self.set_class(isinstance(self.app, LinkedApp) and self.app.has_slow_link, "-slow")
 
     @staticmethod
     def box(title: str, keys: str, classes: str | None = None) -> Vertical:
-        """Return the box, with ``title`` above and ``keys`` below."""
+        """Return the box with ``title`` and ``keys``."""
         box = Vertical(id="box", classes=classes)
         box.border_title, box.border_subtitle = Content(title), keys
         return box
 
     def on_click(self, event: Click) -> None:
-        """Press the key whose hint on the lower border was clicked."""
+        """Press the clicked key."""
         for box in self.query("#box"):
             keys, region = str(box.border_subtitle), box.region
             column = event.screen_x - (region.right - _BORDER_END - cell_len(keys))
@@ -62,7 +59,7 @@ class Dialog(ModalScreen[Result | None]):
                 self.app.call_later(self.app.simulate_key, key)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the newest snapshot, in dialogs about the run."""
+        """Show the newest snapshot."""
 
     def action_cancel(self) -> None:
         """Close without an answer."""
@@ -73,7 +70,7 @@ class Dialog(ModalScreen[Result | None]):
 
 
 class Confirm(Dialog[bool]):
-    """A question. Enter answers True, escape None. ``verb`` says what enter does."""
+    """A question. Enter answers True, escape None."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "confirm", "yes", id="confirm", tooltip="Do it."),
@@ -97,63 +94,7 @@ class Confirm(Dialog[bool]):
 
 
 class QuitQuestion(Confirm):
-    """The question after ctrl+c. A second ctrl+c ends the app."""
+    """The question after ctrl+c, which a second ctrl+c answers."""
 
     def __init__(self, glyphs: Glyphs) -> None:
-        super().__init__("Quit?", "enter or ctrl+c: quit. esc: go on", "quit", glyphs)
-
-
-# The model of the scenario
-
-
-class ModelScreen(Dialog[None]):
-    """⟨S, A, P, R, γ⟩, with the outcomes of the current pair, updated live."""
-
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("q", "cancel", "back", id="close_model", tooltip="Close the model."),
-        Binding("h", "hide", "answer", id="model.hide", tooltip="Hide or show the exact values."),
-    ]
-
-    def __init__(
-        self,
-        look: Look,
-        snapshot: Snapshot,
-        pair: int | None,
-        *,
-        on_scrolled: Callable[[], None],
-        hide_answer: Callable[[], None],
-    ) -> None:
-        super().__init__()
-        self._hide_answer = hide_answer
-        self._on_scrolled = on_scrolled
-        self._panel = ModelPanel(look, id="box")
-        self._snapshot = snapshot
-        self._pair = pair
-
-    def compose(self) -> ComposeResult:
-        """Yield the panel."""
-        yield self._panel
-
-    def on_mount(self) -> None:
-        """Show the current snapshot and pair."""
-        self.show(self._snapshot)
-        if self._pair is not None:
-            self._panel.show_pair(self._pair)
-        self._panel.focus()
-
-    @property
-    def pair(self) -> int | None:
-        """The pair whose outcomes are shown."""
-        return self._panel.pair
-
-    def on_scrolled(self) -> None:
-        """Report to the playground that another pair is in view."""
-        self._on_scrolled()
-
-    def action_hide(self) -> None:
-        """Hide or show the exact values."""
-        self._hide_answer()
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Draw the newest snapshot."""
-        self._panel.show(snapshot)
+        super().__init__("Quit?", "ctrl+c again quits, too.", "quit", glyphs)

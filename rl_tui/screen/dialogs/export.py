@@ -49,13 +49,13 @@ _LOOKS_AT_PROGRESS: Final = 0.1
 
 
 def lane_shown(snapshot: Snapshot) -> str:
-    """Return the number of the run on display, such as ``1 of 2``, or ""."""
+    """Return the shown run: ``1 of 2`` or ""."""
     group = snapshot.run_group
     return f"{group.shown + 1} of {len(group.lanes)}" if group.lanes else ""
 
 
 def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
-    """Return the choice of a kind of export of ``snapshot``."""
+    """Return the kinds of export."""
     lane, timeline, row = lane_shown(snapshot), snapshot.timeline, snapshot.agent.row
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
     only = " and ".join(filter(None, (lane and f"run {lane}", branch)))
@@ -67,7 +67,7 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
     }
     refused = {}
     if not len(snapshot.results.curve.episode):
-        refused[RETURNS] = f"{row.name} plays no episodes" if row.planner else "no episode is finished yet"
+        refused[RETURNS] = f"{row.name} plays no episodes" if row.planner else "no episode has finished yet"
     candidates = []
     for what, (name, sentence, _) in KINDS.items():
         if what != POLICY or snapshot.answers.drawn.choices:
@@ -77,7 +77,7 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
 
 
 def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
-    """Return the prompt for a new file, with ``name`` as a proposal."""
+    """Ask for a new file, proposing ``name``."""
 
     def read(text: str) -> str:
         try:
@@ -90,7 +90,7 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
 
 
 class CommandLine(Dialog[str]):
-    """The command to copy. The answer is the command if it should go to a file."""
+    """A command to copy. The answer is the command if a file is wanted."""
 
     CSS = """
     #command { height: auto; max-height: 60vh; }
@@ -98,7 +98,7 @@ class CommandLine(Dialog[str]):
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(
-            "c", "copy", "copy", id="copy_command", tooltip="Copy the command, where the terminal lets it."
+            "c", "copy", "copy", id="copy_command", tooltip="Copy the command, if the terminal allows it."
         ),
         Binding("w,enter", "write", "write", id="write_command", tooltip="Write the command to a file."),
     ]
@@ -109,35 +109,35 @@ class CommandLine(Dialog[str]):
         self._hint = hint
 
     def compose(self) -> ComposeResult:
-        """Yield the command and the hint."""
+        """Yield command and hint."""
         with self.box("Command", "c: copy   w: write to a file   esc: close"):
             with VerticalScroll(id="command"):
                 yield Static(Text(self._line, overflow="fold"), markup=False)
             yield Static(self._hint, classes="hint", markup=False)
 
     def on_mount(self) -> None:
-        """Focus the command, so that the arrow keys scroll it."""
+        """Focus the command to scroll it."""
         self.query_one("#command").focus()
 
     def action_copy(self) -> None:
-        """Copy the command through the terminal (OSC 52), which may forbid it."""
+        """Copy through the terminal (OSC 52), which may forbid it."""
         self.app.copy_to_clipboard(self._line)
         self.notify("Copied. If it does not paste, press w to write a file.")
 
     def action_write(self) -> None:
-        """Answer the command, to be written to a file."""
+        """Answer the command, to be written."""
         self.dismiss(self._line)
 
 
 class BrokenOffError(Exception):
-    """The dialog was closed, so the result is not needed."""
+    """The result is not needed any more."""
 
 
 Work = Callable[[OnProgress], None]
 
 
 class Working(Dialog[str]):
-    """Work in a thread, with its progress. Escape cancels it.
+    """Work in a thread. Escape cancels it.
 
     The answer is an error message, empty after success. ``work`` must often call its argument, which raises
     after cancelling.
@@ -156,7 +156,7 @@ class Working(Dialog[str]):
             yield Static("0 %", id="progress", markup=False)
 
     def on_mount(self) -> None:
-        """Start the work and the display of its progress."""
+        """Start the work and show its progress."""
         self.set_interval(_LOOKS_AT_PROGRESS, self._show)
         self.run_worker(self._work(), name="export")
 

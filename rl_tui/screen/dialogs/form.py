@@ -1,4 +1,4 @@
-"""The base of dialogs with a line to type into, rows, and three lines about one."""
+"""Dialogs with a line to type into, rows, and three lines about one."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Reader = Callable[[str], float | str]
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A row, with ``lines`` or the reason if ``refused`` below it."""
+    """A row, with ``lines`` or why ``refused``."""
 
     id: str
     name: str
@@ -57,14 +57,14 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class TypedLine:
-    """A line to type into, with its first text and a hint."""
+    """A line with a first text and a hint."""
 
     text: str
     hint: str
     read: Reader
 
     def fault(self, text: str) -> str:
-        """Return the error in ``text`` as a sentence, or an empty string."""
+        """Return the error as a sentence, or ""."""
         try:
             self.read(text)
         except ValueError as fault:
@@ -75,9 +75,11 @@ class TypedLine:
 class Form(Dialog[Any]):
     """Rows to choose from, and a line to type into. The answer is a row's id or the typed value.
 
-    ``current`` is the row that applies now, ``does`` a word for what enter does.
+    ``current``: the row that applies now. ``does``: a word for enter.
     """
 
+    least_room: ClassVar[int] = 40
+    """The least cells of a row, if the screen has them."""
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q", "cancel", "back", id="close_form", tooltip="Close without a change."),
         Binding("down", "to_list", "list", id="form.list", tooltip="Go from the line to the list."),
@@ -111,11 +113,14 @@ class Form(Dialog[Any]):
         """The text in the line."""
         self.page: Widget | None = None
         """The page of a lesson: the box is beside it, or at the bottom, so that it stays readable."""
+        self.room = MARKS + 1
+        """The cells of a row."""
+        self._columns: tuple[int, ...] = ()
 
     # Appearance
 
     def compose(self) -> ComposeResult:
-        """Yield the line, the list, and three lines of text."""
+        """Yield line, list and text."""
         with self.box(to_ascii(self._title, self.glyphs), ""):
             if self._question:
                 yield Static(to_ascii(self._question, self.glyphs), id="question", markup=False)
@@ -126,22 +131,23 @@ class Form(Dialog[Any]):
             yield Static(classes="hint", id="about", markup=False)
 
     def on_mount(self) -> None:
-        """Start in the line, else on the row ``start``, else on the first."""
+        """Start in the line, else on ``start``, else on the first row."""
         if self.candidates:
             self._show_rows(self._start if self.entry is None else None)
         if self.entry is None:
             self._list.focus()
 
     def on_resize(self) -> None:
-        """Fit list and foot to the screen."""
+        """Refit list and foot."""
         height = self.app.size.height
         self.set_class(self.page is not None, "-page")
-        self.query_one("#box").styles.max_width = self._most
+        self._fit()
         about = self.query_one("#about")
         about.display = self.has_about
         blank = int(height >= _BLANK_FROM and bool(self.candidates) and about.display)
         about.styles.margin = (blank, 0, 0, 0)
-        self.query_one("#box").border_subtitle = to_ascii(self._foot, self.glyphs)
+        foot = next((each for each in self._feet if cell_len(each) < self.room), self._feet[-1])
+        self.query_one("#box").border_subtitle = to_ascii(foot, self.glyphs)
         if self.candidates:
             question = len(textwrap.wrap(self._question, self.room)) if self._question else 0
             taken = _BORDER + ABOUT_ROWS * about.display + blank + question + int(self.entry is not None)
@@ -149,68 +155,78 @@ class Form(Dialog[Any]):
             self._show_rows(self.at)
 
     def set_rows(self, candidates: Iterable[Candidate], at: str | None = None) -> None:
-        """Replace the rows. The cursor goes to the row ``at``, or stays."""
+        """Replace the rows. The cursor goes to ``at``, or stays."""
         self.candidates = tuple(candidates)
         if self.query(OptionList):
             self._show_rows(self.at if at is None else at)
 
-    @property
-    def room(self) -> int:
-        """The cells of a row, at least one after the marks."""
-        return max(MARKS + 1, self._most - _FRAME)
+    def _fit(self) -> None:
+        """Make the box as wide as its longest line, if the screen is."""
+        most = self._most - _FRAME
+        self._columns = self._columns_in(most - MARKS)
+        typed = () if self.entry is None else (as_sentence(self.entry.hint), f"   {self.entry.text}")
+        lines = [f" {self._title} ", self._question, *typed, f" {self._feet[0]}"]
+        for each in self.candidates:
+            lines += [self._about(each, most), " " * MARKS + self._row(each, most - MARKS)]
+        longest = max(cell_len(line) for text in lines for line in self._spelled(text).splitlines())
+        self.room = max(MARKS + 1, min(most, max(self.least_room, longest)))
+        self.query_one("#box").styles.max_width = min(self._most, self.room + _FRAME)
 
     @property
     def has_about(self) -> bool:
-        """Whether there are lines about some row."""
+        """True if there are lines about some row."""
         return True
 
     @property
     def _most(self) -> int:
-        """The cells of the box."""
         width = self.app.size.width
         left = 0 if self.page is None else self.page.region.x - 1
-        is_beside = left >= _LEAST_BESIDE[self._has_more]
+        has_more = any(each.value or each.words or each.refused for each in self.candidates)
+        is_beside = left >= _LEAST_BESIDE[has_more]
         return min(_MOST_COLUMNS, left if is_beside else width if self.page else width * 9 // 10)
 
-    @property
-    def _has_more(self) -> bool:
-        return any(each.value or each.words or each.refused for each in self.candidates)
-
     def describe(self, candidate: Candidate) -> Text:
-        """Return the row of ``candidate``: number, cursor, name, value and a few words."""
+        """Return the row: number, cursor, name, value and words."""
         if not candidate.id:
             return Text(to_ascii(shortened(candidate.name, self.room, self.glyphs.ellipsis), self.glyphs))
-        name, room, ellipsis = self._named(candidate), self.room - MARKS, self.glyphs.ellipsis
-        columns = self._columns
-        if columns is None:
-            body = Text(f"\n{' ' * MARKS}".join(textwrap.wrap(name, room) or [""]))
+        name, room = self._named(candidate), self.room - MARKS
+        if self._columns:
+            body = Text(shortened(self._row(candidate, room), room, self.glyphs.ellipsis))
         else:
-            texts = [self._spelled(candidate.value), self._spelled(candidate.words)]
-            if candidate.refused:
-                texts = [self._spelled(f"{NOT_HERE}{candidate.refused}")]
-            elif len(columns) == 1 or not candidate.value:
-                texts = [text for text in texts if text]
-            cells = [name, *texts]
-            for place, width in enumerate(columns[: len(cells) - 1]):
-                cells[place] = set_cell_size(shortened(cells[place], width, ellipsis), width)
-            body = Text(shortened((" " * _GAP).join(cells), room, ellipsis).rstrip())
+            body = Text(f"\n{' ' * MARKS}".join(textwrap.wrap(name, room) or [""]))
         if candidate.refused:
             body.stylize("dim")
         else:
             body.stylize("bold", 0, cell_len(name))
         return Text.assemble(self.mark(candidate), body)
 
+    def _row(self, candidate: Candidate, room: int) -> str:
+        """Return name, value and words in their columns, and a reason if it fits ``room``."""
+        cells = [self._named(candidate), self._spelled(candidate.value), self._spelled(candidate.words)]
+        if candidate.refused:
+            reason = self._spelled(f"{NOT_HERE}{candidate.refused}")
+            is_whole = sum(self._columns[:1]) + _GAP + cell_len(reason) <= room
+            cells[1:] = [reason if is_whole else NOT_HERE.rstrip(": ")]
+        elif len(self._columns) <= 1 or not candidate.value:
+            cells[1:] = [text for text in cells[1:] if text]
+        for place, width in enumerate(self._columns[: len(cells) - 1]):
+            cells[place] = set_cell_size(shortened(cells[place], width, self.glyphs.ellipsis), width)
+        return (" " * _GAP).join(cells).rstrip()
+
     def mark(self, candidate: Candidate) -> tuple[str, str]:
-        """Return the number of ``candidate``, and the cursor if it is there."""
+        """Return the number, and the cursor or not."""
         cursor = self.glyphs.cursor if candidate.id == self.at else ""
         return f"{self._numbers.get(candidate.id, ''):<1} {cursor:<1} ", "not bold"
 
     def about(self, candidate: Candidate) -> str:
         """Return the lines about ``candidate`` that fit, the reason first."""
+        return self._about(candidate, self.room)
+
+    def _about(self, candidate: Candidate, room: int) -> str:
         refused = (f"Not here: {candidate.refused.rstrip('.')}.",) if candidate.refused else ()
         lines, rows = list[str](), 0
         for line in map(self._spelled, (*refused, *candidate.lines)):
-            taken = len(textwrap.wrap(line, self.room + 1))
+            taken = len(textwrap.wrap(line, room + 1))
             if not lines or rows + taken <= ABOUT_ROWS:
                 lines.append(line)
                 rows += taken
@@ -219,7 +235,7 @@ class Form(Dialog[Any]):
     # Events
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Move the mark to the row under the cursor, and describe it."""
+        """Mark and describe the row."""
         for candidate in self.candidates:
             if candidate.id:
                 self._list.replace_option_prompt(candidate.id, self.describe(candidate))
@@ -244,7 +260,7 @@ class Form(Dialog[Any]):
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Answer the value if it is valid."""
         self.typed = event.value
-        self._tell_of_text()
+        self._tell_of_text(is_submitted=True)
         if self.entry is not None and not self.entry.fault(event.value):
             self.dismiss(self.entry.read(event.value))
 
@@ -257,7 +273,7 @@ class Form(Dialog[Any]):
             self.choose(candidate.id)
 
     def choose(self, id: str) -> None:  # noqa: A002
-        """Answer the row with this ``id``."""
+        """Answer the row."""
         self.dismiss(id if self.entry is None else self.entry.read(id))
 
     def action_to_list(self) -> None:
@@ -280,7 +296,7 @@ class Form(Dialog[Any]):
 
     @property
     def at(self) -> str | None:
-        """The id of the row under the cursor."""
+        """The row under the cursor."""
         option = self._list.highlighted_option
         return None if option is None else option.id
 
@@ -289,24 +305,22 @@ class Form(Dialog[Any]):
         ids = [each.id for each in self.candidates if each.id]
         return {id: str(number) for number, id in enumerate(ids[:9], 1)}  # noqa: A001
 
-    @property
-    def _columns(self) -> tuple[int, ...] | None:
-        """The cells of names and of values, or None."""
+    def _columns_in(self, room: int) -> tuple[int, ...]:
+        """Return the cells of names and of values, if any rows have more than a name."""
         rows = [each for each in self.candidates if each.id and (each.value or each.words or each.refused)]
         if not rows:
-            return None
-        room = self.room - MARKS
+            return ()
         names = min(room // 2, max(cell_len(self._named(each)) for each in rows))
         values = max(cell_len(self._spelled(each.value)) for each in rows)
-        return (names, min(room // 3, values)) if values else (names,)
+        most = room // 3 if any(each.words for each in rows) else room - names - _GAP
+        return (names, min(most, values)) if values else (names,)
 
     @property
-    def _foot(self) -> str:
-        enter = f"enter: {self._does}"
-        parts = [part for part in (self._keys, enter, _CLOSE) if part]
-        ways = (_WIDE.join([_MOVE, *parts]) if self.candidates else "", _WIDE.join(parts), "  ".join(parts))
-        fitting = (way for way in ways if way and cell_len(way) < self.room)
-        return next(fitting, ways[-1])
+    def _feet(self) -> tuple[str, ...]:
+        """The keys below, widest form first."""
+        parts = [part for part in (self._keys, f"enter: {self._does}", _CLOSE) if part]
+        whole = (_WIDE.join([_MOVE, *parts]),) if self.candidates else ()
+        return *whole, _WIDE.join(parts), "  ".join(parts)
 
     def _named(self, candidate: Candidate) -> str:
         return self._spelled(f"{candidate.name}{CURRENT if candidate.id == self.current else ''}")
@@ -315,6 +329,7 @@ class Form(Dialog[Any]):
         return to_ascii(text, self.glyphs)
 
     def _show_rows(self, at: str | None) -> None:
+        self._fit()
         options: Sequence[Option] = [
             Option(self.describe(each), id=each.id or None, disabled=not each.id) for each in self.candidates
         ]
@@ -324,9 +339,9 @@ class Form(Dialog[Any]):
             first = next(place for place, id in enumerate(ids) if id)  # noqa: A001
             self._list.highlighted = ids.index(at) if at and at in ids else first
 
-    def _tell_of_text(self) -> None:
+    def _tell_of_text(self, *, is_submitted: bool = False) -> None:
         if self.entry is not None:
-            fault = self.entry.fault(self.typed)
+            fault = self.entry.fault(self.typed) if self.typed or is_submitted else ""
             self.tell_about(fault or as_sentence(self.entry.hint), is_fault=bool(fault))
 
     def _tell_of_row(self) -> None:
@@ -343,16 +358,16 @@ class Form(Dialog[Any]):
 
 
 class Choice(Form):
-    """A list only. The answer is the id of a row."""
+    """A list. The answer is a row's id."""
 
     @property
     def has_about(self) -> bool:
-        """Whether there are lines about some row."""
+        """True if there are lines about some row."""
         return any(each.lines or each.refused for each in self.candidates)
 
 
 class Prompt(Form):
-    """A line only. The answer is the value that ``read`` returns."""
+    """A line. The answer is what ``read`` returns."""
 
     def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
         super().__init__(title, (), "", UNICODE, entry=TypedLine(value, hint, read), does=does)

@@ -1,4 +1,4 @@
-"""Dialogs for going to a moment, branch or change."""
+"""Going to a moment, branch or change."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from rl_tui.runs.recipe import (
     changed_recipe,
 )
 from rl_tui.runs.timeline.branches import Timeline
+from rl_tui.screen.dialogs.compare_lanes import branches_beside
 from rl_tui.screen.dialogs.form import Candidate, Choice, Form, TypedLine
-from rl_tui.screen.dialogs.lane_changes import branches_beside
 from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.kit.snapshot_facts import episodes_begun
@@ -62,7 +62,7 @@ class Moment(NamedTuple):
 
 
 class JournalScreen(Form):
-    """The branches and their changes. The answer is where to go."""
+    """Branches and changes. The answer is where to go."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("c", "compare", "compare", id="journal.compare", tooltip="Open the branch as another run."),
@@ -88,7 +88,7 @@ class JournalScreen(Form):
         self.dismiss(Moment(int(id)))
 
     def action_changes(self) -> None:
-        """List the changes of the branch, and answer the moment of one."""
+        """List the changes, and answer one's moment."""
         branch, name = self.branch, self._timeline.branches[self.branch].name
         if not self.journals[branch]:
             self.tell_about(NO_CHANGE)
@@ -102,7 +102,7 @@ class JournalScreen(Form):
         self.app.push_screen(Choice(f"Changes in {name}", rows, "", self.glyphs), chosen)
 
     def action_compare(self) -> None:
-        """Answer the branch to compare with the current one."""
+        """Answer the branch to compare with."""
         name = self._timeline.branches[self.branch].name
         if self.branch in self._beside:
             self.dismiss(AddBranch(self.branch))
@@ -115,7 +115,7 @@ class JournalScreen(Form):
 
     @property
     def branch(self) -> int:
-        """The number of the branch under the cursor."""
+        """The branch under the cursor."""
         return int(self.at or 0)
 
 
@@ -147,7 +147,7 @@ def _how_much(lines: Sequence[JournalLine]) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class JournalLine:
-    """A change at ``step``, or ``by_hand`` steps by a person up to ``last``."""
+    """A change at ``step``, or steps ``by_hand`` up to ``last``."""
 
     step: int
     last: int
@@ -156,7 +156,7 @@ class JournalLine:
 
     @property
     def text(self) -> str:
-        """The line: ``step 1,200: α 0.1 → 0.5``, ``steps 3,400–3,460: 61 by hand``."""
+        """``step 1,200: α 0.1 → 0.5``, ``steps 3,400–3,460: 61 by hand``."""
         first = self.step + bool(self.by_hand)  # a setting applies after its step, a person takes the next
         when = f"step {first:,}" if self.last <= first else f"steps {first:,}–{self.last:,}"
         return f"{when}: {self.what}"
@@ -165,7 +165,7 @@ class JournalLine:
 def journal_lines(
     journal: Sequence[JournalEntry], recipe: Recipe, world: World, glyphs: Glyphs
 ) -> list[JournalLine]:
-    """Return ``journal`` as lines, with one per series of steps by hand."""
+    """Write ``journal``, joining steps by hand."""
     lines: list[JournalLine] = []
     for entries in _grouped(journal):
         first, last, change = entries[0].step, entries[-1].step, entries[-1].change
@@ -215,11 +215,10 @@ def _edited(change: WorldChange) -> str:
         case UndoEdit():
             return "world: an edit undone"
         case RedoEdit():
-            return "world: an edit made again"
+            return "world: an edit redone"
 
 
 def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
-    """Return the name of a person's action, which this world may not have."""
     names = world.space.action_names
     if isinstance(action, str) and action not in names:
         return action
@@ -248,7 +247,7 @@ BRANCHES: Final = "branches"
 
 
 def goto_form(snapshot: Snapshot, glyphs: Glyphs) -> Form:
-    """Return the question for a moment, answered by a text for :func:`parse_goto`."""
+    """Ask for a moment, as :func:`parse_goto` reads it."""
 
     def read(text: str) -> str:
         if text != BRANCHES:
@@ -321,7 +320,7 @@ def _episode(number: int, snapshot: Snapshot) -> GoTo:
 
 
 def unit_of(snapshot: Snapshot) -> str:
-    """Return the unit of this run: episode, or sweep for a planner."""
+    """Return episode, or sweep for a planner."""
     return "sweep" if snapshot.agent.row.planner else "episode"
 
 

@@ -1,4 +1,4 @@
-"""The dialog "run until": conditions for this agent, and the breakpoints."""
+"""The dialog "run until": conditions and breakpoints."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _VALUE_COLUMNS = 8
 
 
 class Kind(Enum):
-    """Kind of learner on screen, with the names of its steps and episodes."""
+    """Kinds of learner."""
 
     AGENT = "step", "episode"
     BANDIT = "pull", "episode"
@@ -42,7 +42,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class UntilOption:
-    """A condition to run until, with the ``pair`` of a value or −1."""
+    """A condition, with the ``pair`` of a value or −1."""
 
     id: str
     event: Event
@@ -57,21 +57,21 @@ class UntilOption:
         return self.event in (Event.STEP, Event.EPISODE, Event.VALUE)
 
     def until(self, number: float = 0.0) -> Until:
-        """Return the stop condition for the player, with the typed ``number``."""
+        """Return the player's stop condition."""
         if self.event is Event.VALUE:
             return Until(self.event, pair=self.pair, threshold=number)
         return Until(self.event, number=int(number)) if self.asks else Until(self.event)
 
 
 def kind_of(snapshot: Snapshot) -> Kind:
-    """Return the kind of learner in ``snapshot``."""
+    """Return the kind of learner."""
     if snapshot.agent.row.planner:
         return Kind.PLANNER
     return Kind.BANDIT if isinstance(snapshot.world.drawing, Arms) else Kind.AGENT
 
 
 def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[UntilOption, ...]:
-    """Return all conditions of a run. ``cursor`` is a pair or None."""
+    """Return all conditions for the cursor's pair, if any."""
     kind, refused = kind_of(snapshot), snapshot.exact_answer.refused
     step, episode, plans = kind.step, kind.episode, kind is Kind.PLANNER
     rewards = "a planner takes no steps in the world, so there are no rewards" if plans else ""
@@ -125,7 +125,7 @@ def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Unti
 
 
 def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
-    """Return the prompt for the number of ``option``, one that asks."""
+    """Ask for the number of ``option``."""
     if option.event is Event.VALUE:
         return _ask_value(option, snapshot, glyphs)
     kind, step = kind_of(snapshot), snapshot.counters.step
@@ -177,14 +177,12 @@ def _value(snapshot: Snapshot, pair: int, glyphs: Glyphs) -> str:
 # The dialog
 
 
-SET_BREAKPOINT: Final = "t b"
-NO_BREAKPOINTS: Final = f"No breakpoints. {SET_BREAKPOINT} sets one at the cursor."
-_BREAKPOINTS: Final = "Breakpoints"
-_KEYS: Final = "del: take away"
+NO_BREAKPOINTS: Final = "No breakpoints. t b sets one at the cursor."
+_KEYS: Final = "del: remove"
 
 
 class UntilChoice(Form):
-    """Conditions, and the breakpoints, which ``toggle`` changes. The answer is a condition."""
+    """Conditions and breakpoints. The answer is a condition."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("u", "cancel", "back", id="close_until", tooltip="Close without running."),
@@ -210,13 +208,13 @@ class UntilChoice(Form):
         super().__init__("Run until", self._rows(snapshot, glyphs), "", glyphs, keys=_KEYS, start=remembered)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the breakpoints of the newest snapshot."""
+        """Show the newest breakpoints."""
         if snapshot.playback.breakpoints != self._snapshot.playback.breakpoints:
             self._snapshot = snapshot
             self.set_rows(self._rows(snapshot, self.glyphs))
 
     def choose(self, id: str) -> None:  # noqa: A002
-        """Answer the condition, or set or remove the breakpoint."""
+        """Answer the condition, or change the breakpoint."""
         if id in self.options:
             self.dismiss(self.options[id])
         elif id in self._breakpoints:
@@ -241,7 +239,7 @@ class UntilChoice(Form):
         if not self._breakpoints:
             return [*rows, Candidate("", NO_BREAKPOINTS)]
         names = breakpoint_names(snapshot.world, set_now, glyphs)
-        rows.append(Candidate("", _BREAKPOINTS))
+        rows.append(Candidate("", "Breakpoints"))
         for key, name in zip(self._breakpoints, names, strict=True):
             rows.append(Candidate(key, name, ("The run pauses here each time.",)))
         return rows

@@ -44,7 +44,7 @@ _HEAD: Final = ("instead", "chance", "episodes: mean", "median")
 
 
 class Why(Dialog[Remedy]):
-    """The first update in ``snapshot``, and remedies. The answer is one of them."""
+    """The first update. The answer is a remedy."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("Y,q", "cancel", "back", id="close_why", tooltip="Close without a change."),
@@ -55,10 +55,9 @@ class Why(Dialog[Remedy]):
         self._look = look
         self._snapshot = snapshot
         self._remedies: dict[str, Remedy] = {}
-        self._is_composed = False
 
     def compose(self) -> ComposeResult:
-        """Yield the text, the remedies, and a sentence about one."""
+        """Yield text, remedies, and a sentence."""
         with self.box("Why is nothing learned?", _CLOSES):
             yield Static(id="said", markup=False)
             yield Static(self._row(_HEAD), classes="hint", id="head", markup=False)
@@ -67,14 +66,13 @@ class Why(Dialog[Remedy]):
 
     def on_mount(self) -> None:
         """Show the current snapshot."""
-        self._is_composed = True
         self.show(self._snapshot)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the text and remedies of ``snapshot``."""
+        """Show text and remedies."""
         self._snapshot = snapshot
-        if not self._is_composed:
-            return
+        if not self.query("#said"):
+            return  # it is not composed yet
         is_hidden = hides_means(snapshot)
         sentences = _said_in_secret(snapshot) if is_hidden else said(snapshot, self._look.glyphs)
         words = "\n".join(sentences)
@@ -115,17 +113,19 @@ class Why(Dialog[Remedy]):
 
 
 def remedies_of(snapshot: Snapshot) -> tuple[Remedy, ...]:
-    """Return the remedies for the run, none after an estimate has changed."""
+    """Return remedies, none after an estimate has changed."""
     view = snapshot.answers.first_update
     return () if view is None or view.answer is None or view.has_moved else view.answer.remedies
 
 
 def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
-    """Return what is known of the first update, in lines."""
+    """Describe the first update."""
     view = snapshot.answers.first_update
     if view is None:
         return ["Computing in the background …"]
-    lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
+    episodes = snapshot.counters.episodes
+    since = f" in {counted(episodes, 'episode')}" if episodes else ""
+    lines = [_IS_OVER if view.has_moved else f"No estimate has changed{since}.", ""]
     if view.answer is None:
         return [*lines, "The wait is unknown.", as_sentence(view.refused)]
     in_words = partial(written, glyphs=glyphs)
@@ -147,13 +147,8 @@ def _said_in_secret(snapshot: Snapshot) -> list[str]:
     return [_KEPT if keeps_back(snapshot, "answer") else _SECRET]
 
 
-def _so_far(episodes: int) -> str:
-    since = f" in {counted(episodes, 'episode')}" if episodes else ""
-    return f"No estimate has changed{since}."
-
-
 def written(number: float, glyphs: Glyphs) -> str:
-    """Return a number with three digits: ``.1``, ``.0139``, ``5.42e-6``, ``>.999``."""
+    """Write three digits: ``.1``, ``.0139``, ``5.42e-6``, ``>.999``."""
     if 0.9995 <= number < 1.0:
         return ">.999"
     is_small = 0.0 < abs(number) < _EXPONENT_BELOW

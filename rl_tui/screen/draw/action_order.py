@@ -24,19 +24,19 @@ _PLACES: Final[dict[Direction | None, int]] = {step: place for place, step in en
 
 
 def shown_order(world: World) -> tuple[int, ...]:
-    """Return all actions of ``world`` in the order of the screen."""
+    """Return all actions in screen order."""
     return order_of(world.space, world.drawing)
 
 
 def order_of(space: FiniteSpace, drawing: Drawing) -> tuple[int, ...]:
-    """Return :func:`shown_order` from the space and the drawing of a world."""
+    """Return :func:`shown_order` from space and drawing."""
     if isinstance(drawing, Grid):
         return _order(drawing.directions)
     return tuple(range(len(space.action_names)))
 
 
 def shown_place(world: World, action: int) -> int:
-    """Return the index of ``action`` in that order. Unknown actions (< 0) come last."""
+    """Return an action's index. Unknown ones (< 0) come last."""
     if action < 0:
         return len(world.space.action_names)
     drawing = world.drawing
@@ -44,7 +44,7 @@ def shown_place(world: World, action: int) -> int:
 
 
 def shown_pairs(world: World, pairs: Iterable[int]) -> list[int]:
-    """Return ``pairs`` of one state in the order of the screen."""
+    """Sort one state's ``pairs``."""
     listed = list(pairs)
     if not isinstance(world.drawing, Grid):
         return sorted(listed)
@@ -53,7 +53,7 @@ def shown_pairs(world: World, pairs: Iterable[int]) -> list[int]:
 
 
 def shown_outcomes(world: World, mdp: TabularMDP, pair: int) -> list[int]:
-    """Return the outcomes of ``pair``, ordered by the actions that really happen."""
+    """Return a pair's outcomes, ordered by the actions that really happen."""
     return sorted(mdp.outcomes_of(pair), key=lambda each: shown_place(world, int(mdp.outcome_action[each])))
 
 
@@ -67,3 +67,10 @@ def _order(directions: tuple[Direction | None, ...]) -> tuple[int, ...]:
 def _inverse(directions: tuple[Direction | None, ...]) -> tuple[int, ...]:
     order = _order(directions)
     return tuple(order.index(action) for action in range(len(order)))
+
+
+def next_states(world: World, pair: int) -> frozenset[int]:
+    """Return the possible next states, if known."""
+    if world.mdp is not None:
+        return frozenset(world.mdp.next_state[world.mdp.outcomes_of(pair)].tolist())
+    return frozenset(each.next_state for each in world.prospects[pair]) if world.prospects else frozenset()

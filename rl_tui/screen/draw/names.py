@@ -1,4 +1,4 @@
-"""Names of states, actions, pairs, probabilities and breakpoints in running text."""
+"""Names of states, actions, pairs and probabilities."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from rl_tui.worlds.world import World
 
 LONGEST_NAME: Final = 14
 DEPENDS: Final = "?"  # a probability or reward that depends on earlier steps
-DEPENDS_IN_FULL: Final = "depends on how you came here"
+DEPENDS_IN_FULL: Final = "depends on how you got here"
 _LARGEST_DENOMINATOR: Final = 12
 COUNTED: Final = ", counted from 0"
 _SIGN: Final = re.compile(r"(?<![\w.])-(?=[\d.])")
 
 
 def state_name(world: World, state: int, glyphs: Glyphs) -> str:
-    """Return the name of ``state``, shortened if it is long."""
+    """Name a state, shortened if long."""
     return shortened(with_minus(world.space.state_names[state], glyphs), LONGEST_NAME, glyphs.ellipsis)
 
 
 def with_minus(name: str, glyphs: Glyphs) -> str:
-    """Return ``name`` with the minus sign of the screen: ``−0.5, 0.01``."""
+    """Write the screen's minus sign: ``−0.5, 0.01``."""
     return _SIGN.sub(glyphs.minus, name)
 
 
 def action_name(world: World, action: int, glyphs: Glyphs) -> str:
-    """Return the arrow of ``action`` on a grid, else its name, shortened."""
+    """Return an action's arrow or name."""
     if isinstance(world.drawing, Grid):
         direction = world.drawing.directions[action]
         if direction is not None:
@@ -41,12 +41,12 @@ def action_name(world: World, action: int, glyphs: Glyphs) -> str:
 
 
 def is_direction(world: World, action: int) -> bool:
-    """Return True if the name of ``action`` is an arrow."""
+    """Return whether the action is an arrow."""
     return isinstance(world.drawing, Grid) and world.drawing.directions[action] is not None
 
 
 def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
-    """Return the arguments of Q, such as ``6,←``, or the arm of a bandit."""
+    """Return Q's arguments, such as ``6,←``, or the arm."""
     action = action_name(world, int(world.space.pair_action[pair]), glyphs)
     if isinstance(world.drawing, Arms):
         return action
@@ -54,7 +54,7 @@ def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
 
 
 def place(world: World, state: int) -> str:
-    """Return ``row 1, column 2, counted from 0`` on a grid of numbered states, else ""."""
+    """Return ``row 1, column 2, counted from 0``, else ""."""
     if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
         return ""
     row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
@@ -62,12 +62,12 @@ def place(world: World, state: int) -> str:
 
 
 def is_word(name: str) -> bool:
-    """Return True if ``name`` is a word, such as ``lost``."""
+    """Return whether it is a word, such as ``lost``."""
     return len(name) > 1 and name.isalpha()
 
 
 def landmark(world: World, state: int) -> str:
-    """Return ``hole``, ``cliff`` or ``goal`` if ``state`` is one, else ""."""
+    """Return ``hole``, ``cliff``, ``goal`` or ""."""
     if isinstance(world.drawing, Grid) and not is_word(world.space.state_names[state]):
         kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
         if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):
@@ -76,7 +76,7 @@ def landmark(world: World, state: int) -> str:
 
 
 def chance(probability: float, glyphs: Glyphs) -> str:
-    """Return a probability as people write it: ``.8``, ``1/3``, ``1``."""
+    """Write a probability: ``.8``, ``1/3``, ``1``."""
     short = numbers.brief(probability, glyphs, decimals=3)
     if abs(round(probability, 3) - probability) < numbers.NEGLIGIBLE:
         return short
@@ -92,12 +92,12 @@ def estimate_name(world: World, pair: int, glyphs: Glyphs) -> str:
 
 
 def pair_in_words(world: World, pair: int, glyphs: Glyphs) -> str:
-    """Return the pair as a breakpoint: ``6,←``, or ``arm 3`` for a bandit."""
+    """Name a pair: ``6,←``, or ``arm 3``."""
     name = pair_name(world, pair, glyphs)
     return f"arm {name}" if isinstance(world.drawing, Arms) else name
 
 
 def breakpoint_names(world: World, breakpoints: Breakpoints, glyphs: Glyphs) -> list[str]:
-    """Return the names of the breakpoints, states first: ``state 6``, ``4,←``."""
+    """Name the breakpoints: ``state 6``, ``4,←``."""
     names = [f"state {state_name(world, state, glyphs)}" for state in sorted(breakpoints.states)]
     return names + [pair_in_words(world, pair, glyphs) for pair in sorted(breakpoints.pairs)]

@@ -1,4 +1,4 @@
-"""Steady axes: round bounds and labels that change in steps only."""
+"""Steady axes: bounds and labels change in round steps only."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ROUND: Final = (1.0, 1.2, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A vertical axis from ``low`` to ``high`` with labels every ``step``."""
+    """A vertical axis with labels every ``step``."""
 
     low: float
     high: float
@@ -30,13 +30,13 @@ class Scale:
 
     @property
     def ticks(self) -> list[float]:
-        """The labelled values, two to four, lowest first."""
+        """The two to four labelled values."""
         first, last = math.ceil(self.low / self.step - 1e-9), math.floor(self.high / self.step + 1e-9)
         return [each * self.step for each in range(first, last + 1)]
 
 
 def round_scale(low: float, high: float) -> Scale:
-    """Return a close axis for 0 and ``low`` .. ``high`` with round labels."""
+    """Return a close axis that includes 0, with round labels."""
     low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
         return Scale(0.0, 1.0, 1.0)
@@ -50,11 +50,11 @@ def round_scale(low: float, high: float) -> Scale:
             empty = max(low - scale.low, scale.high - high)
             if empty <= _MOST_EMPTY * (scale.high - scale.low) and 2 <= len(scale.ticks) <= _MOST_TICKS:
                 return scale
-    raise AssertionError("some step with two to four labels always does")
+    raise AssertionError("no step gives two to four labels")
 
 
 def tight_scale(low: float, high: float) -> Scale:
-    """Return a close axis with round ends for ``low`` .. ``high``, with or without 0."""
+    """Return a close axis with round ends."""
     if high - low < numbers.NEGLIGIBLE:
         low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
@@ -64,32 +64,32 @@ def tight_scale(low: float, high: float) -> Scale:
     return Scale(math.floor(low / step + 1e-9) * step, math.ceil(high / step - 1e-9) * step, step)
 
 
-def settled(previous: Scale | None, low: float, high: float) -> Scale:
-    """Return ``previous`` while ``low`` .. ``high`` suits it, else a new axis."""
+def settled(previous: Scale | None, low: float, high: float, least: float = -math.inf) -> Scale:
+    """Return ``previous`` if it suits, else a new axis, without a margin below ``least``."""
     if previous is not None and low >= previous.low and high <= previous.high:
         # The margin keeps values near its end from making it grow again at once
         spare = _SPARE * (high - low)
-        smaller = tight_scale(low - spare, high + spare)
+        smaller = tight_scale(max(least, low - spare), high + spare)
         is_lost = smaller.high - smaller.low <= _LEAST_SHARE * (previous.high - previous.low)
         return smaller if is_lost else previous
     return tight_scale(low, high)
 
 
 def round_range(last: float) -> float:
-    """Return the right end of an axis to ``last``, which changes in steps."""
+    """Return an axis's right end, which changes in steps."""
     needed = max(last, FIRST_RANGE)
     power = 10.0 ** math.floor(math.log10(needed))
     return next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))
 
 
 def round_step(least: float) -> float:
-    """Return the smallest 1, 2 or 5 times a power of ten from ``least`` (> 0) on."""
+    """Return the smallest 1, 2 or 5 times a power of ten ≥ ``least`` > 0."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(digit * power for digit in (1.0, 2.0, 5.0, 10.0) if least <= digit * power * (1.0 + 1e-9))
 
 
 def tick_label(x: float, step: float, glyphs: Glyphs) -> str:
-    """Return ``x`` with the decimals of ``step``: ``0``, ``0.5``, ``−200``, ``20k``."""
+    """Write ``x`` as precisely as ``step``: ``0``, ``0.5``, ``−200``, ``20k``."""
     if abs(x) < numbers.NEGLIGIBLE * step:
         return "0"
     if abs(x) >= 1e15:
@@ -102,6 +102,6 @@ def tick_label(x: float, step: float, glyphs: Glyphs) -> str:
 
 
 def tick_step(right: float, most: int) -> float:
-    """Return the smallest round step, at least 1, with at most ``most`` steps to ``right``."""
+    """Return the smallest round step ≥ 1, with at most ``most`` steps."""
     step = 10.0 ** max(0, math.floor(math.log10(max(1.0, right / max(1, most)))))
     return next(step * digit for digit in (1.0, 2.0, 5.0, 10.0) if right / (step * digit) <= max(1, most))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -22,8 +22,6 @@ from rl_tui.screen.frame.shape import MESSAGE_HEIGHT, ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.bindings import as_sentence
-from rl_tui.screen.kit.row import PanelRow
-from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.theme.look import Look
 
 if TYPE_CHECKING:
@@ -52,10 +50,10 @@ Put: TypeAlias = Callable[[float | str], object]
 
 
 class TooSmall(Static):
-    """A notice in place of everything else: the terminal is too small."""
+    """A notice about a small terminal."""
 
-    def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
-        super().__init__(id=id, markup=False)
+    def __init__(self, look: Look) -> None:
+        super().__init__(id="too-small", markup=False)
         self.look = look
 
     def on_resize(self) -> None:
@@ -66,36 +64,35 @@ class TooSmall(Static):
 
 
 class ActionScreen(Screen[None]):
-    """A screen that fills the terminal. Subclasses set ``place`` and yield their ``content``."""
+    """A full screen. Subclasses set ``place`` and yield their ``content``."""
 
     HORIZONTAL_BREAKPOINTS = _WIDTHS
     VERTICAL_BREAKPOINTS = _HEIGHTS
 
     place: Place
 
-    def __init__(self, look: Look, panels: Sequence[PanelRow] = PANELS) -> None:
+    def __init__(self, look: Look) -> None:
         super().__init__()
         self.look = look
-        self.panel_rows = panels
         self.mouse_at_key = Offset(0, 0)  # place at the last key; has it moved since?
 
     @property
     def known_actions(self) -> tuple[Action, ...]:
-        """Every action that exists in this place at some time."""
-        return actions_of(self.place, self.panel_rows)
+        """Every action of this place at some time."""
+        return actions_of(self.place)
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """The actions available now, as palette and help list them."""
+        """The actions available now."""
         return self.listed()
 
     def listed(self, menu: str = "") -> tuple[Action, ...]:
-        """Return the actions available now, of one ``menu`` or of all."""
+        """Return the available actions, maybe of one ``menu``."""
         return tuple(each for each in self.known_actions if not menu or each.menu == menu)
 
     @property
     def settings(self) -> Mapping[str, tuple[Ask, Put]]:
-        """Functions that ask for and set a value, by setting."""
+        """Functions that ask for and set values."""
         return {}
 
     @property
@@ -104,20 +101,20 @@ class ActionScreen(Screen[None]):
         return Place.KIOSK in self.place
 
     def action_do(self, command: str) -> None:
-        """Run ``command``: ``object.method`` or ``object.method(argument)``."""
+        """Run ``object.method`` or ``object.method(argument)``."""
         target, method, arguments = parse(command)
         getattr(getattr(self, target), method)(*arguments)
 
     def compose(self) -> ComposeResult:
-        """Yield the content, the key line and the notice for small terminals."""
+        """Yield content, key line and notice."""
         yield from self.content()
         yield KeyLine(self.look, self.known_actions, id="keys")
-        yield TooSmall(self.look, id="too-small")
+        yield TooSmall(self.look)
 
     def tell(
         self, message: str, severity: SeverityLevel = "information", timeout: float | None = None
     ) -> None:
-        """Show ``message`` until the next key, or for ``timeout`` seconds."""
+        """Show ``message`` until a key, or for ``timeout`` seconds."""
         tell(self.app, message, severity, timeout)
 
     def refuse(self, why: str) -> None:
@@ -125,7 +122,7 @@ class ActionScreen(Screen[None]):
         self.tell(as_sentence(why))
 
     def on_key(self, event: Key) -> None:
-        """Remember the place of the mouse, so that ``?`` knows if it has moved."""
+        """Remember the mouse's place, so that ``?`` knows if it has moved."""
         if event.key != "question_mark":
             self.mouse_at_key = self.app.mouse_position
 
@@ -135,17 +132,17 @@ class ActionScreen(Screen[None]):
 
     @cached_property
     def pages(self) -> HelpPages:
-        """The pages of ``?``, which the first paint does not need."""
+        """The pages of ``?``, made late."""
         from rl_tui.screen.frame.glossary import HelpPages
 
         return HelpPages(self)
 
     def action_help(self) -> None:
-        """Explain what the mouse points at, or list the keys of this place."""
+        """Explain what the mouse points at, or list the keys."""
         self.pages.open()
 
     def help_screen(self) -> Dialog[str]:
-        """Return the help pages about panels, planners and other topics."""
+        """Return the help pages."""
         raise NotImplementedError
 
     def content(self) -> Iterable[Widget]:

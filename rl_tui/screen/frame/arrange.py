@@ -1,4 +1,4 @@
-"""The place of every panel, from the size of the screen, the shape of the world and the open panel.
+"""The place of every panel on the screen.
 
 World and table are in an upper band, curve and agent in a lower one. Regions are in characters from the upper
 left corner. The first row is the header, the last one has the keys.
@@ -7,6 +7,7 @@ left corner. The first row is the header, the last one has the keys.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import Final
 
 from textual.geometry import Region, Size
@@ -44,8 +45,7 @@ _LEAST_BELOW: Final = {MEDIUM: 5, ROOMY: 10}  # rows of the lower band
 _LEAST_BELOW_LANES: Final = 8  # rows of the lower band of medium size: with fewer, lines of runs are a braid
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
 _BESIDE_PAGE: Final = 12  # rows of curve and table beside a lesson page at the right, or below two worlds
-_AROUND_A_MAP: Final = 15  # rows
-_LEAST_SCROLLING: Final = 4  # least rows of the lower band: a heading and sliders
+_LEAST_SCROLLING: Final = {MEDIUM: 1, ROOMY: 4}  # least rows of the lower band: sliders
 _BELOW_A_WORLD: Final = 19  # rows of a panel below the world, beside a page of a lesson
 _BELOW_LANES: Final = 18  # rows below the worlds of two runs that leave space for tables
 _UPPER: Final = {MEDIUM: 13, ROOMY: 16}  # rows of the upper band if the table needs them beside a low map
@@ -55,8 +55,8 @@ _LAST_STEP: Final = 8  # rows of the full text
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
 _LEAST_SETTINGS: Final = 5
-_LEAST_CURVE: Final = 6  # rows with its timeline; with fewer it changes places with the settings
-_CURVE_AT_RIGHT: Final = 11
+_LEAST_CURVE: Final = {MEDIUM: 4, ROOMY: 6}  # rows with its timeline; with fewer it is below the table
+_CURVE_AT_RIGHT: Final = {MEDIUM: (5, 1), ROOMY: (11, 0)}  # its rows, and of sliders below all else
 _TABLE_KEPT: Final = 12  # rows that the table keeps when others share its column
 _AROUND_A_TABLE: Final = 8  # rows: heads, legend, layers
 _AROUND_ROWS: Final = 3  # the same at medium sizes
@@ -80,12 +80,12 @@ def arrange(
     zoomed: str | None = None,
     wide_rows: int = 0,
 ) -> Arrangement:
-    """Return the place of every panel on a screen of ``size``.
+    """Return the place of every panel.
 
     Args:
         size: Columns and rows.
         shape: Properties of world and run.
-        opened: Panel opened by its key, for the right column or the lower band.
+        opened: Panel opened by its key.
         zoomed: Panel in full screen.
         wide_rows: Rows for ``opened`` in the lower band of a roomy screen, 0 for the right column.
     """
@@ -93,7 +93,7 @@ def arrange(
     if zoomed is not None:
         return sheet.alone(zoomed)
     if shape.has_lesson and not docks_lesson(size, shape.shown):
-        if shape.reads and shape.spotlight == WORLD and sheet.room is MEDIUM:
+        if shape.reads and shape.spotlight in (WORLD, None) and sheet.room is MEDIUM:
             glance = replace(shape, shown=frozenset({WORLD}), lanes=False, is_drawn=False)
             return _Bands(ScreenPlan(size, glance), None, 0, glances=True).place()
         if shape.reads:
@@ -101,7 +101,7 @@ def arrange(
         sheet.put(LESSON, Region(0, 1, size.width, 1))
         sheet.top = 2
     if sheet.room is SMALL and opened is not None:
-        sheet.put(opened, Region(0, sheet.top, size.width, sheet.foot - sheet.top))
+        sheet.put(opened, Region(sheet.margin, sheet.top, sheet.usable, sheet.foot - sheet.top))
         return Arrangement(sheet.regions, Size(0, 0))
     if opened is not None and sheet.room is not ROOMY:
         sheet.lanes = False
@@ -185,7 +185,7 @@ class _Bands:
         self._put_world(picture, extra, left, room, is_over=is_over)
         low = sheet.top + upper + (sheet.blank if below else 0)
         if columns and self._has_curve_at_right(low):
-            upper = sheet.foot - sheet.top - _CURVE_AT_RIGHT - sheet.blank
+            upper = sheet.foot - sheet.top - sum(_CURVE_AT_RIGHT[self.room]) - sheet.blank
         self._put_right(columns, upper)
         if sheet.lanes and self.aside is None and self.below_page is None and not is_over:
             low = self._put_tables(low, room)
@@ -193,37 +193,34 @@ class _Bands:
         return Arrangement(sheet.regions, cell)
 
     def _has_curve_at_right(self, low: int) -> bool:
-        """Return whether the rows from ``low`` on are so few that the curve is below the table instead."""
-        sheet = self.sheet
-        is_plain = self.room is ROOMY and self.shape.shown is None and not sheet.lanes
-        return is_plain and self.aside is None and self.wide is None and sheet.foot - low < _LEAST_CURVE
+        return self._is_plain and self.room is not SMALL and self.sheet.foot - low < _LEAST_CURVE[self.room]
+
+    @property
+    def _is_plain(self) -> bool:
+        return not (self.shape.shown is not None or self.sheet.lanes or self.aside or self.wide)
 
     def _height(self, below: int, extra: int) -> int:
         sheet = self.sheet
         return sheet.foot - sheet.top - below - extra - (sheet.blank if below else 0)
 
     def _cell_and_rows_below(self, room: int, below: int, extra: int) -> tuple[Size, int]:
-        """Return a cell and the rows of the lower band, from which a small map takes some."""
         cell = self._cell(room, self._height(below, extra))
         if not self.is_small(cell) or below != _LEAST_BELOW[self.room]:
             return cell, below
-        fewer = range(below - 1, _LEAST_SCROLLING - 1, -1)
-        for is_broad in (False, True):
-            for rows in (below, *fewer):
-                larger = self._cell(room, self._height(rows, extra), is_broad=is_broad)
-                if not self.is_small(larger):
-                    return larger, rows
+        heights = range(below, _LEAST_SCROLLING[ROOMY] - 1, -1)
+        last = [(False, _LEAST_SCROLLING[self.room])] if self._is_plain else []
+        for is_broad, rows in (*product((False, True), heights), *last):
+            larger = self._cell(room, self._height(rows, extra), is_broad=is_broad)
+            if not self.is_small(larger):
+                return larger, rows
         return cell, below
 
     def is_small(self, cell: Size) -> bool:
-        """Return True if a map with such cells is too small."""
         drawing = self.drawing
         if not isinstance(drawing, Grid) or not self.is_place or self.aside or self.wide or self.sheet.lanes:
             return False
-        return (
-            self.room is not SMALL
-            and cell.area * drawing.rows * drawing.columns < _SHARE * self.sheet.size.area
-        )
+        area = cell.area * drawing.rows * drawing.columns
+        return self.room is not SMALL and area < _SHARE * self.sheet.size.area
 
     # The world
 
@@ -241,14 +238,13 @@ class _Bands:
             return sheet.shows(self.shape.settings) + (_SHORT_STEP + 1) * sheet.shows(LAST_STEP)
         if self.aside == LESSON and (self.shape.shown is None or self.shape.is_fresh):
             return _BESIDE_PAGE + 2
-        rows = 0
-        if isinstance(self.drawing, Grid):
-            rows = self.drawing.rows + wanted_margins(self.drawing, sheet.foot - sheet.top).above
-        may_take = self.room is ROOMY and not self.is_place and self.aside is None
-        if may_take and rows > sheet.size.height - _AROUND_A_MAP:
-            return _LEAST_SCROLLING
+        grid, height = self.drawing, sheet.foot - sheet.top
+        rows = grid.rows + wanted_margins(grid, height).above if isinstance(grid, Grid) else 0
         if self.room is SMALL:
             return len(self._lines)
+        may_take = self._is_plain or (self.room is ROOMY and self.aside is None)
+        if may_take and not self.is_place and rows >= height - _LEAST_BELOW[self.room]:
+            return _LEAST_SCROLLING[self.room]
         if sheet.lanes and self.room is MEDIUM:
             return _LEAST_BELOW_LANES
         is_captioned = self.room is MEDIUM and CAPTION in sheet.regions  # elsewhere it costs rows of the map
@@ -261,7 +257,8 @@ class _Bands:
             return (usable - sheet.gap) // 2
         if self.is_alone:
             return sheet.usable
-        return sheet.usable - sheet.gap - (self.least if isinstance(self.drawing, Grid) else self.most)
+        beside = (self.least + self.most) // 2 if isinstance(self.drawing, Graph) else self.most
+        return sheet.usable - sheet.gap - (self.least if isinstance(self.drawing, Grid) else beside)
 
     def _scale_rows(self, below: int) -> int:
         """Return 0 where a scale would cost the third row of each cell, else 1."""
@@ -275,14 +272,12 @@ class _Bands:
         return map_size(self.drawing, width, height, is_broad=is_broad).cell
 
     def _stacked_cell(self, cell: Size, extra: int) -> Size | None:
-        """Return the cell of a map above all else if much higher than ``cell``, else None."""
+        """Return the cell of a map above all else, if much higher."""
         sheet = self.sheet
         if sheet.lanes or self.aside or self.wide or self.shape.shown is not None:
             return None
-        if self.chain:
-            return cell
         if not self.is_place:
-            return None
+            return cell if self.chain else None
         stacked = self._cell(sheet.usable, self._rows_on_top(extra))
         is_better = stacked.height >= _TALLER * cell.height and stacked.width >= cell.width
         return stacked if is_better or (self.is_small(cell) and stacked.area > cell.area) else None
@@ -312,7 +307,6 @@ class _Bands:
                 return Size(room, height)
 
     def _put_world(self, picture: Size, extra: int, left: int, room: int, *, is_over: bool) -> None:
-        """Put the world, its scale and a second world, with one more column for a frame."""
         sheet = self.sheet
         x = sheet.margin
         if self.is_alone and self.room is ROOMY and picture.width < left:
@@ -362,12 +356,10 @@ class _Bands:
             self._put_table(Region(x, sheet.top, columns, bottom - sheet.top))
 
     def _put_table(self, region: Region) -> None:
-        """Put the table, which on roomy screens ends below its legend."""
         rows = self.shape.table_rows + _AROUND_A_TABLE if self.room is ROOMY else region.height
         self.sheet.put(self.table, Region(*region[:3], min(region.height, rows)))
 
     def _below_table(self) -> list[tuple[str, tuple[int, ...]]]:
-        """Return the panels below the table, with their possible rows, most first."""
         panels: list[tuple[str, tuple[int, ...]]] = []
         if self.wide is None and self.room is not SMALL:
             panels.append((LAST_STEP, (_LAST_STEP,) if self.room is ROOMY else (_LAST_STEP, _SHORT_STEP)))
@@ -376,7 +368,7 @@ class _Bands:
         return panels
 
     def _put_tables(self, low: int, room: int) -> int:
-        """Put the tables of two runs if they fit. Return the next free row."""
+        """Put two tables if they fit, and return the next free row."""
         sheet, least = self.sheet, _BELOW_LANES + min(self.shape.table_rows, 6)
         if sheet.foot - low < least:
             return low
@@ -388,8 +380,7 @@ class _Bands:
     # The lower band
 
     def _put_lower(self, low: int, left: int, columns: int) -> None:
-        sheet, foot, shape = self.sheet, self.sheet.foot, self.shape
-        x = sheet.margin
+        sheet, x, foot, shape = self.sheet, self.sheet.margin, self.sheet.foot, self.shape
         if self.wide is not None:
             sheet.put(self.wide, Region(x, low, sheet.usable, foot - 2 - low))
             sheet.put(TIMELINE, Region(x, foot - 2, sheet.usable, 1))
@@ -401,8 +392,10 @@ class _Bands:
         elif columns and self.aside is None:
             at = sheet.size.width - sheet.margin - columns
             if self._has_curve_at_right(low):
-                self._put_curve(foot - _CURVE_AT_RIGHT, foot, columns, at)
-                sheet.put(shape.settings, Region(x, low, left, foot - low))
+                curve, below = _CURVE_AT_RIGHT[self.room]
+                self._put_curve(foot - below - curve, foot - below, columns, at)
+                rows, width = (below, sheet.usable) if below else (foot - low, left)
+                sheet.put(shape.settings, Region(x, foot - rows, width, rows))
                 return
             y = low
             for panel, rows in self._above_settings():
@@ -416,7 +409,6 @@ class _Bands:
             self._put_below_lanes_or_page(low, left)
 
     def _above_settings(self) -> list[tuple[str, int]]:
-        """Return the panels that did not fit below the table, with their rows."""
         taken = self.sheet.regions
         panels = [(LAST_STEP, _LAST_STEP)] if self.sheet.shows(LAST_STEP) else []
         panels += [(BUDGET, _BUDGET)] if isinstance(self.drawing, Arms) else []
@@ -453,7 +445,6 @@ class _Bands:
         self._put_curve(low, foot, width)
 
     def _put_curve(self, low: int, foot: int, width: int, x: int | None = None) -> None:
-        """Put the curve, and the timeline directly below it with the same columns."""
         sheet, x = self.sheet, self.sheet.margin if x is None else x
         if not sheet.shows(CURVE):
             return
@@ -463,7 +454,6 @@ class _Bands:
 
     @property
     def _lines(self) -> list[str]:
-        """The panels with one line each below the world on small screens."""
         return [each for each in (LAST_STEP, self.shape.settings, CURVE) if self.sheet.shows(each)]
 
     def _put_lines(self) -> None:

@@ -1,8 +1,8 @@
-"""The glossary screen: words at the mouse or the focus, then all others."""
+"""The glossary: first the words at the mouse or focus."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.cells import cell_len
@@ -11,13 +11,14 @@ from textual import on
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
-from textual.geometry import Region
+from textual.geometry import Offset, Region
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.key_sheet import FIND, KEYS, PAGES, WORDS, KeySheet, tabs
 from rl_tui.screen.frame.number_here import NumberHere, number_here
@@ -34,10 +35,11 @@ from rl_tui.screen.glossary.glossary import (
 from rl_tui.screen.kit.bindings import ListInput
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.row import PanelRow, beside
-from rl_tui.screen.kit.snapshot_facts import figure_setting
+from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.screen.frame.action_screen import ActionScreen
@@ -51,23 +53,22 @@ _LONGEST: Final = 40  # characters of a search
 
 
 class GlossarySearch(ListInput):
-    """A search field without the question mark and page keys."""
+    """A search field without ``?`` and page keys."""
 
     def check_consume_key(self, key: str, character: str | None) -> bool:
-        """Return True if ``key`` is typed here, False for the question mark."""
+        """Return True if typed here, False for the question mark."""
         return key != "question_mark" and super().check_consume_key(key, character)
 
     def action_move(self, how: str) -> None:
-        """Go to another word of the list, or scroll its paragraph."""
+        """Go to another word, or scroll."""
         of_list = how.startswith("cursor")
         getattr(self.screen.query_one("#words" if of_list else "#paragraph"), f"action_{how}")()
 
 
 class GlossaryScreen(Dialog[str]):
-    """The terms ``here``, or all. ``NUMBER`` among them stands for ``number``.
+    """The terms ``here``, or all, and ``number`` at ``NUMBER``.
 
-    ``setting`` fills in the current values of the run. The answer is ``PAGES`` if the person asks for the
-    pages.
+    ``setting``: current values of the run. The answer is ``PAGES`` if the person asks for the pages.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -90,9 +91,9 @@ class GlossaryScreen(Dialog[str]):
         self._setting = setting
 
     def compose(self) -> ComposeResult:
-        """Yield the search, the list and the paragraph."""
+        """Yield search, list and paragraph."""
         keys = self._written("↑ ↓: word  pgdn: more  ?: pages  esc: close")
-        with self.box("", keys, "tall") as box:
+        with self.box("", keys, "whole") as box:
             box.border_title = tabs("Words")
             yield GlossarySearch(
                 placeholder="type to search all words", compact=True, max_length=_LONGEST, id="search"
@@ -102,7 +103,7 @@ class GlossaryScreen(Dialog[str]):
                 yield Static(markup=False)
 
     def on_mount(self) -> None:
-        """List the words of the place, and send letters to the search."""
+        """List the words, and send letters to the search."""
         words = self.query_one(OptionList)
         words.can_focus = False
         self._list(self._here or tuple(glossary()))
@@ -110,12 +111,12 @@ class GlossaryScreen(Dialog[str]):
 
     @on(Input.Changed)
     def find(self, event: Input.Changed) -> None:
-        """List the matches, or the words of the place without a query."""
+        """List the matches, or the place's words."""
         self._list(search(event.value) if event.value else self._here or tuple(glossary()))
 
     @on(OptionList.OptionHighlighted)
     def explain(self, event: OptionList.OptionHighlighted) -> None:
-        """Show the paragraph of the word under the cursor."""
+        """Show the word's paragraph."""
         if event.option_id == NUMBER and self._number is not None:
             number = self._number
             text = Text(self._written(f"{number.meaning}\n\n"))
@@ -171,80 +172,57 @@ class GlossaryScreen(Dialog[str]):
 # What the person points at
 
 
-def words_here(
-    screen: Screen[None],
-    rows: Mapping[str, PanelRow],
-    glyphs: Glyphs,
-    *,
-    has_number: bool = False,
-    is_number_first: bool = False,
-) -> tuple[str, ...]:
-    """Return the ids of the terms to explain, the one pointed at first.
-
-    A word under the mouse comes before the words in focus. ``has_number`` adds ``NUMBER``, before the word if
-    ``is_number_first``.
-    """
-    under_mouse, word = _word_under_mouse(screen, rows, glyphs)
-    found = [word] if word is not None else []
-    if has_number:
-        found.insert(0 if is_number_first else len(found), NUMBER)
-    for widget in (under_mouse if word is not None or is_number_first else None, screen.focused):
-        if widget is not None:
-            found += _words_of(widget, rows)
-    return tuple(dict.fromkeys(found))
-
-
-def number_under_mouse(screen: Screen[None], look: Look) -> NumberHere | None:
-    """Return the number of the cell under the mouse, or None."""
-    position = screen.app.mouse_position
-    if not screen.region.contains_point(position):
-        return None
-    widget, _ = screen.get_widget_at(*position)
-    if not widget.content_region.contains_point(position):
-        return None
-    return number_here(widget, look, position - widget.content_region.offset)
-
-
 def setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:
-    """Return the current values of the run on ``screen``, or None."""
+    """Return the run's current values, or None."""
     shown = (panel.snapshot for panel in screen.query(Panel) if panel.snapshot is not None)
     snapshot = next(shown, None)
-    return None if snapshot is None else figure_setting(snapshot, glyphs)
+    if snapshot is None:
+        return None
+    return FigureSetting(
+        gamma=numbers.brief(snapshot.agent.hyperparameters.gamma, glyphs),
+        time_limit=snapshot.world.space.time_limit,
+        steps=snapshot.counters.step,
+        episodes=snapshot.counters.episodes,
+        is_bandit=isinstance(snapshot.world.drawing, Arms),
+        budget=snapshot.world.budget,
+    )
 
 
-def _word_under_mouse(
-    screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyphs
-) -> tuple[Widget | None, str | None]:
+def _under_mouse(screen: Screen[None]) -> Widget | None:
     position = screen.app.mouse_position
-    if not screen.region.contains_point(position):
-        return None, None
-    widget, region = screen.get_widget_at(*position)
-    if widget is screen:
-        return None, None
-    column, row = position.x - region.x, position.y - region.y
-    lines = widget.render_lines(Region(0, row, region.width, 1))
-    about = [term for panel in _panels_of(widget, rows) for term in panel.terms] or None
-    return (widget, term_at(lines[0].text, column, glyphs, about)) if lines else (widget, None)
+    widget = screen.get_widget_at(*position)[0] if screen.region.contains_point(position) else screen
+    return None if widget is screen else widget
 
 
-def _words_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[str]:
+def _number_at(widget: Widget, position: Offset, look: Look) -> NumberHere | None:
+    is_inside = widget.content_region.contains_point(position)
+    return number_here(widget, look, position - widget.content_region.offset) if is_inside else None
+
+
+def _word_at(widget: Widget, position: Offset, glyphs: Glyphs) -> str | None:
+    column, row = position - widget.region.offset
+    lines = widget.render_lines(Region(0, row, widget.region.width, 1))
+    about = [term for panel in _panels_of(widget) for term in panel.terms] or None
+    return term_at(lines[0].text, column, glyphs, about) if lines else None
+
+
+def _words_of(widget: Widget) -> Iterator[str]:
     if isinstance(widget, Slider):
         yield from terms_called([widget.parameter.symbol])
-    for panel in _panels_of(widget, rows):
+    for panel in _panels_of(widget):
         yield from panel.terms
 
 
-def _panels_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[PanelRow]:
-    for node in widget.ancestors_with_self:
-        if node.id is not None and node.id in rows:
-            yield rows[node.id]
+def _panels_of(widget: Widget) -> Iterator[PanelRow]:
+    ids = [node.id for node in widget.ancestors_with_self]
+    return (row for row in PANELS if row.id in ids or beside(row.id) in ids)
 
 
 # The pages of ?
 
 
 class HelpPages:
-    """The pages about ``screen``, one after the other with each ``?``."""
+    """The pages of ``?`` about ``screen``."""
 
     def __init__(self, screen: ActionScreen) -> None:
         self._screen = screen
@@ -263,13 +241,11 @@ class HelpPages:
 
     def _show_keys(self) -> None:
         screen, focused = self._screen, self._screen.focused
-        titles = {name: row.title for row in screen.panel_rows for name in (row.id, beside(row.id))}
-        nodes = () if focused is None else focused.ancestors_with_self
-        name = next((titles[node.id] for node in nodes if node.id in titles), "")
+        name = "" if focused is None else next((row.title for row in _panels_of(focused)), "")
         screen.app.push_screen(KeySheet(screen.look, screen.actions, focused, name), self._turn)
 
     def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
-        """Show the terms ``here``, or all. ``NUMBER`` among them stands for ``number``."""
+        """Show the terms ``here``, or all, and ``number`` at ``NUMBER``."""
         screen = self._screen
         setting = setting_here(screen, screen.look.glyphs)
         screen.app.push_screen(GlossaryScreen(screen.look, here, number, setting), self._turn)
@@ -285,15 +261,18 @@ class HelpPages:
             self._screen.call_later(self._screen.app.run_action, "find")
 
     def _words_here(self) -> tuple[Sequence[str], NumberHere | None]:
-        screen, look = self._screen, self._screen.look
-        rows = {name: row for row in screen.panel_rows for name in (row.id, beside(row.id))}
-        pointed = number_under_mouse(screen, look) if self._is_pointing or screen.focused is None else None
-        number = pointed or number_here(screen.focused, look)
-        words = words_here(
-            screen,
-            rows,
-            look.glyphs,
-            has_number=number is not None,
-            is_number_first=pointed is not None,
-        )
-        return words, number
+        """Return first what is under the mouse, then what is in focus, and the number, if any."""
+        screen, look, position = self._screen, self._screen.look, self._screen.app.mouse_position
+        under_mouse, number, word = _under_mouse(screen), None, None
+        if under_mouse is not None:
+            word = _word_at(under_mouse, position, look.glyphs)
+            if self._is_pointing or screen.focused is None:
+                number = _number_at(under_mouse, position, look)
+        found = [NUMBER] if number is not None else []
+        found += [word] if word is not None else []
+        widgets = (under_mouse if found else None, screen.focused)
+        if number is None and (number := number_here(screen.focused, look)) is not None:
+            found.append(NUMBER)
+        for widget in widgets:
+            found += () if widget is None else _words_of(widget)
+        return tuple(dict.fromkeys(found)), number

@@ -1,4 +1,4 @@
-"""The pages about panels, other topics and the scenario."""
+"""The pages of ``?``."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ _BOLD: Final = Style(bold=True)
 
 
 class Explanation(NamedTuple):
-    """A ``term`` and its ``meaning``, or a heading without one."""
+    """A ``term`` with ``meaning``, or a heading."""
 
     term: str
     meaning: str = ""
 
 
 class Explained(Widget):
-    """A widget as high as its ``rows`` need, drawn as they come into view."""
+    """Rows drawn as they come into view."""
 
     DEFAULT_CSS = """
     Explained {
@@ -51,17 +51,17 @@ class Explained(Widget):
     }
     """
 
-    def __init__(self, rows: Sequence[Explanation], glyphs: Glyphs, *, id: str | None = None) -> None:  # noqa: A002
-        super().__init__(id=id)
+    def __init__(self, rows: Sequence[Explanation], glyphs: Glyphs) -> None:
+        super().__init__()
         self._rows = [Explanation(to_ascii(row.term, glyphs), to_ascii(row.meaning, glyphs)) for row in rows]
         self._wrapped: tuple[int, list[Explanation]] = (0, [])
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the number of lines at ``width`` columns."""
+        """Return the lines at ``width`` columns."""
         return len(self._lines(width))
 
     def render_line(self, y: int) -> Strip:
-        """Draw line ``y``: the term at the left, its meaning beside it."""
+        """Draw a term beside its meaning."""
         width, style = self.size.width, self.rich_style
         lines = self._lines(width)
         if y >= len(lines):
@@ -95,15 +95,14 @@ _HIDING: Final = "m l hides or shows the legends of panels."
 _TOPICS: Final = (
     (
         "Two runs",
-        "c a opens a run beside this one: another algorithm with the same scenario and seed. Up to four "
-        "advance together, with equal steps but not equal episodes, and share one chart. World and table "
-        "of two runs are side by side if they fit. ▸ marks the run that you control: c l goes to the "
-        "next.",
+        "c a opens a second run with another algorithm, and with the same scenario and seed. Up to four runs "
+        "advance together, step by step, and share one chart. World and table of two runs are side by side "
+        "if they fit. ▸ marks the run that you control. c l controls the next run.",
     ),
     (
         "Rewards",
-        "A cell with an unusual reward shows that reward in its corner: the number, or + for more and − "
-        "for less.",
+        "A cell with an unusual reward shows this reward in its corner: the number, or only + if it is above "
+        "the usual reward and − if it is below.",
     ),
     (
         "Planners",
@@ -119,14 +118,14 @@ _TOPICS: Final = (
     (
         "Breakpoints",
         "t b sets a breakpoint at the cursor: on a state of the world, a pair of the table, or an arm. ! "
-        "marks it, and the run pauses there each time. u lists all breakpoints, and other things to run "
-        "until.",
+        "marks it, and the run pauses there each time. u lists all breakpoints, and other moments to "
+        "stop at.",
     ),
     (
         "You",
         "y makes you the agent. An arrow takes the action of its direction, a digit the first, second … "
         "action on the border of the world. The agent learns from your steps as from its own. s lets "
-        "the agent take one. y or esc ends this.",
+        "the agent take one step. y or esc gives control back.",
     ),
     (
         "Focus",
@@ -137,7 +136,7 @@ _TOPICS: Final = (
 
 
 class HelpScreen(Dialog[str]):
-    """One page that scrolls, with ``notes`` at the end. The answer is the page of ``?`` to open next."""
+    """One page that scrolls, ``notes`` last. The answer is the next page of ``?``."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the pages."),
@@ -151,21 +150,23 @@ class HelpScreen(Dialog[str]):
         look: Look,
         panels: Sequence[PanelRow] = (),
         notes: str = "",
+        topics: Sequence[tuple[str, str]] = (),
     ) -> None:
         super().__init__()
         self._look = look
         self._panels = panels
+        self._topics = topics
         self._notes = notes
 
     def compose(self) -> ComposeResult:
         """Yield the page in a box."""
-        with self.box("", "1: keys   2: words   /: find   esc: close", "tall") as box:
+        with self.box("", "1: keys   2: words   /: find   esc: close", "whole") as box:
             box.border_title = tabs("Pages")
             with VerticalScroll():
                 yield Explained(list(self._explanations()), self._look.glyphs)
 
     def on_mount(self) -> None:
-        """Focus the page, so that the arrows scroll it."""
+        """Focus the page to scroll it."""
         page = self.query_one(VerticalScroll)
         page.focus()
         if self._notes:
@@ -192,6 +193,8 @@ class HelpScreen(Dialog[str]):
     def _explanations(self) -> Iterator[Explanation]:
         yield Explanation("Words")
         yield Explanation("  ?", f"{_ASKING} {_HIDING}" if self._panels else _ASKING)
+        for title, sentences in self._topics:
+            yield Explanation(f"  {title}", sentences)
         yield Explanation("")
         if self._panels:
             yield Explanation("Panels")
@@ -201,7 +204,7 @@ class HelpScreen(Dialog[str]):
 
 
 def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
-    """Return the widget that draws ``markdown`` in the characters of ``glyphs``."""
+    """Return a widget that draws ``markdown``."""
     from textual.widgets import Markdown  # slow to load: must not delay the first paint
 
     widget = Markdown(to_ascii(markdown, glyphs), open_links=True)

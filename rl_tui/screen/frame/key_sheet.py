@@ -1,11 +1,10 @@
-"""All keys of a place on one screen, the first page of ``?``."""
+"""All keys of a place, the first page of ``?``."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import ClassVar, Final, NamedTuple
 
-from rich.cells import cell_len
 from rich.style import Style
 from rich.text import Text
 from textual.app import ComposeResult
@@ -25,6 +24,8 @@ WORDS: Final = "words"
 PAGES: Final = "pages"
 FIND: Final = "find"
 _TABS: Final = ("Keys", "Words", "Pages")
+_MENU_NAME: Final = 11  # columns
+_AROUND_LABEL: Final = 3  # columns of the letter and the blanks
 _ROOMY: Final = (108, 34)  # columns and rows from which each menu is a list
 _MOVING: Final = {
     **dict.fromkeys(("up", "down", "left", "right"), "move"),
@@ -49,7 +50,7 @@ _SIGNS: Final = {
 
 
 def tabs(current: str) -> Content:
-    """Return the title of a page of ``?``: all three names, with ``current`` marked."""
+    """Return a title with all pages of ``?``, ``current`` marked."""
     parts = [(f" {name} ", "reverse" if name == current else "not bold") for name in _TABS]
     return Content.assemble(*parts)
 
@@ -80,7 +81,7 @@ class _Page(Widget):
 
 
 class KeySheet(Dialog[str]):
-    """The keys of ``actions`` and of the focused ``panel``, called ``name``.
+    """The keys of ``actions`` and of the focused ``panel``.
 
     The answer is ``WORDS``, ``PAGES`` or ``FIND``.
     """
@@ -107,7 +108,7 @@ class KeySheet(Dialog[str]):
                 yield _Page(self._page)
 
     def on_mount(self) -> None:
-        """Focus the page, so that the arrows scroll it."""
+        """Focus the page to scroll it."""
         self.query_one(VerticalScroll).focus()
 
     def _page(self, width: int) -> list[Text]:
@@ -122,11 +123,11 @@ class KeySheet(Dialog[str]):
                 yield Text(self._written(heading), strong)
                 yield from self._columns(entries, count, width)
                 yield Text("")
-        yield from self._wide_menus(width) if is_roomy else self._narrow_menus(width)
+        yield from self._wide_menus(width) if is_roomy else self._narrow_menus(count, width)
 
     def _sections(self) -> Iterator[tuple[str, list[_Entry]]]:
         taken = {key for each in self._actions if each.group is Group.DRAWING for key in each.keys}
-        yield f"{self._name}, in focus", _panel_entries(self._panel, taken)
+        yield f"{self._name}, in focus" if self._name else "In focus", _panel_entries(self._panel, taken)
         for group in (Group.DRAWING, Group.LISTS, Group.LESSON):
             entries = [_entry(each) for each in self._actions if not each.menu and each.group == group]
             yield group, entries
@@ -137,8 +138,8 @@ class KeySheet(Dialog[str]):
         yield "Everywhere", [entry for each in listed if (entry := _entry(each)).key]
 
     def _columns(self, entries: Sequence[_Entry], count: int, width: int) -> Iterator[Text]:
-        keys = max(len(entry.key) for entry in entries)
-        least = keys + max(len(entry.label) for entry in entries) + 1
+        keys = max((len(entry.key) for entry in entries), default=0)
+        least = keys + max((len(entry.label) for entry in entries), default=0) + 1
         count = max(1, min(count, width // least))
         lines, column = -(-len(entries) // count), width // count
         for line in range(lines):
@@ -158,17 +159,19 @@ class KeySheet(Dialog[str]):
                 )
             yield Text("")
 
-    def _narrow_menus(self, width: int) -> Iterator[Text]:
-        palette = self._look.palette
-        for key, title, entries in self._menus():
-            line = Text(f"{key} ", palette.press).append(f"{title:<8}", palette.strong)
-            for each in entries:
-                item = self._item(each._replace(key=each.key[-1]), 0, 1)
-                if cell_len(line.plain) + cell_len(item.plain) + 2 > width:
-                    yield line
-                    line = Text(" " * 10)
-                line.append_text(item).append("  ")
-            yield line
+    def _narrow_menus(self, count: int, width: int) -> Iterator[Text]:
+        palette, room = self._look.palette, width - _MENU_NAME
+        menus = [
+            (key, title, [each._replace(key=each.key[-1]) for each in entries if not each.is_dim])
+            for key, title, entries in self._menus()
+        ]
+        longest = max((len(each.label) for *_, entries in menus for each in entries), default=0)
+        count = min(count, room // (longest + _AROUND_LABEL))
+        for key, title, entries in menus:
+            name = Text(f"{key} ", palette.press).append(title.ljust(_MENU_NAME - 2), palette.strong)
+            for line in self._columns(entries, count, room):
+                yield name + line
+                name = Text(" " * _MENU_NAME)
 
     def _menus(self) -> list[tuple[str, str, list[_Entry]]]:
         menus = [(key, [each for each in self._actions if each.menu == key]) for key in MENUS]
@@ -195,7 +198,6 @@ def _entry(action: Action) -> _Entry:
 
 
 def _panel_entries(panel: Widget | None, taken: Collection[str]) -> list[_Entry]:
-    """Return the keys that ``panel`` binds, without ``taken``, grouped by meaning."""
     meanings = dict[str, list[str]]()
     for base in type(panel).__mro__ if panel is not None else ():
         for each in Binding.make_bindings(base.__dict__.get("BINDINGS", ())):

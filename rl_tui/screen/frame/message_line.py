@@ -24,6 +24,7 @@ from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.shape import MESSAGE_HEIGHT
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.bindings import as_sentence
+from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 
 MOST_ROWS: Final = 3
@@ -33,23 +34,28 @@ _GAP: Final = 2
 
 
 class OfTheMoment(Notification):
-    """A message that disappears with the next key or click."""
+    """A message until a key or click."""
 
 
 def tell(app: App[Any], message: str, severity: SeverityLevel, timeout: float | None) -> None:
-    """Replace all messages by ``message`` until a key or click, or for ``timeout`` seconds."""
+    """Replace all messages until a key, or for ``timeout`` seconds."""
     app.clear_notifications()
     seconds = app.NOTIFICATION_TIMEOUT if timeout is None else timeout
     app.post_message(Notify(OfTheMoment(message, severity=severity, timeout=seconds)))
 
 
+def complain(app: App[Any], fault: object) -> None:
+    """Show an error until escape."""
+    app.notify(str(fault), severity="error", markup=False)
+
+
 class Messages:
-    """The current messages of ``app``, the newest on the front screen.
+    """The current messages, the newest on the front screen.
 
     Errors stay until escape, or until their screen is left.
     """
 
-    def __init__(self, app: App[Any], look: Callable[[], Look]) -> None:
+    def __init__(self, app: LinkedApp[Any], look: Callable[[], Look]) -> None:
         self._app = app
         self._look = look
         self._told: list[tuple[Notification, Screen[Any]]] = []
@@ -57,7 +63,7 @@ class Messages:
 
     @property
     def texts(self) -> list[str]:
-        """The texts of all current messages, the oldest first."""
+        """The current texts, the oldest first."""
         return [note.message for note, _ in self._told]
 
     def note(self, notification: Notification) -> None:
@@ -66,18 +72,18 @@ class Messages:
         with suppress(ScreenStackError):
             self._told.append((notification, self._app.screen_stack[:2][-1]))
         if not _is_fault(notification):
-            self._app.set_timer(
-                notification.time_left, lambda: self._keep(lambda note: note is not notification)
+            self._app.start_timer(
+                notification.timeout, lambda: self._keep(lambda note: note is not notification), repeats=False
             )
         self.show()
 
     def end_moment(self) -> None:
-        """Remove the messages that last until the next key."""
+        """Remove messages that last until a key."""
         if self._told:  # every key comes here, and mostly there are no messages
             self._keep(lambda note: not _is_of_moment(note))
 
     def end_fault(self) -> bool:
-        """Remove the error on display. Return True if there was one."""
+        """Remove the shown error, and return whether there was one."""
         shown = self._newest()
         is_fault = any(map(_is_fault, shown))
         if is_fault:
@@ -95,7 +101,7 @@ class Messages:
         self.show()
 
     def show(self) -> None:
-        """Show the newest message on the front screen only."""
+        """Show the newest message in front."""
         with suppress(ScreenStackError, NoMatches, MountError):
             screen = self._app.screen
             if self._line is not None and (self._line.parent is not screen or not self._line.is_attached):
@@ -135,7 +141,7 @@ def _is_fault(notification: Notification) -> bool:
 
 
 class MessageLine(Static):
-    """The rows of one message over the last rows of a screen."""
+    """The rows of one message."""
 
     DEFAULT_CLASSES = "-textual-system"
 
@@ -146,13 +152,13 @@ class MessageLine(Static):
         self._messages: tuple[Notification, ...] = ()
 
     def show(self, messages: tuple[Notification, ...]) -> None:
-        """Show ``messages`` one after the other, or hide if there are none."""
+        """Show ``messages`` in turn, or hide."""
         self._messages = messages
         self.display = bool(messages)
         self._fit()
 
     def on_mount(self) -> None:
-        """Draw the messages that came before the mount."""
+        """Draw the messages from before the mount."""
         self._fit()
 
     def on_resize(self) -> None:

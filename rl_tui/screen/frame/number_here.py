@@ -1,4 +1,4 @@
-"""The number under the cursor of world or table, explained."""
+"""The number under the cursor, explained."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.number_form import number_form
 from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, exact_q, other_lane
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
-from rl_tui.screen.panels.model.pair import SECRET
+from rl_tui.screen.panels.model import SECRET
 from rl_tui.screen.panels.policies.studied import policy_name
 from rl_tui.screen.panels.q_table.layers import policy_q
 from rl_tui.screen.panels.q_table.q_table import QTable
@@ -30,7 +30,7 @@ _NO_VALUE: Final = "may never end, and rewards go on without a discount: there i
 
 
 class NumberHere(NamedTuple):
-    """A number on screen: ``name``, such as ``Q(6,↓) = .942``, ``meaning`` and glossary ``term``."""
+    """``name``, such as ``Q(6,↓) = .942``, ``meaning`` and ``term``."""
 
     name: str
     meaning: str
@@ -38,7 +38,7 @@ class NumberHere(NamedTuple):
 
 
 def number_here(panel: Widget | None, look: Look, at: Offset | None = None) -> NumberHere | None:
-    """Return the number of ``panel`` under its cursor or at offset ``at``, or None."""
+    """Return the number under the cursor or at offset ``at``."""
     if not isinstance(panel, QTable | WorldView) or panel.snapshot is None:
         return None
     number = _of_table(panel, look, at) if isinstance(panel, QTable) else _of_world(panel, look, at)
@@ -70,20 +70,20 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
 
 
 def number_of_pair(snapshot: Snapshot, pair: int, layer: Layer, look: Look) -> NumberHere | None:
-    """Return the number of ``pair`` in ``layer``, or None if unknown."""
+    """Return a pair's number, if known."""
     is_known = has_estimates(snapshot) or layer in (Layer.VISITS, Layer.POLICY)
     return _Teller(snapshot, look).of_pair(pair, layer) if is_known and snapshot.agent.holds(pair) else None
 
 
 def number_of_state(snapshot: Snapshot, state: int, look: Look, layer: Layer = Layer.Q) -> NumberHere | None:
-    """Return the number of ``state`` in ``layer`` (mostly V), or None if unknown."""
+    """Return a state's number (mostly V)."""
     pairs, is_known = snapshot.world.space.pairs_of(state), has_estimates(snapshot) or layer is Layer.VISITS
     held = not pairs or (is_known and snapshot.agent.holds(pairs.start))
     return _Teller(snapshot, look).of_state(state, layer) if held else None
 
 
 def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
-    """Return V of ``state`` under the policy ``kind``, which ``snapshot`` shows."""
+    """Return V under the shown policy."""
     name = names.state_name(snapshot.world, state, look.glyphs)
     value = float(snapshot.agent.values[state])
     if math.isnan(value):
@@ -123,7 +123,7 @@ class _Teller:
             mine, its, gap = self._written(q, float(other.q[pair]), q - float(other.q[pair]))
             return NumberHere(
                 f"Q({name}) − Q of {other.name} = {gap}",
-                f"The estimate here, {mine}, less the estimate of {other.name}, {its}. Both are learned.",
+                f"The estimate here, {mine}, minus the estimate of {other.name}, {its}. Both are learned.",
                 "q",
             )
         if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:

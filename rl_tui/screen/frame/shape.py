@@ -9,7 +9,6 @@ from typing import Final, NamedTuple
 
 from textual.geometry import Region, Size
 
-from rl_tui.lessons.file.schema import Page
 from rl_tui.screen.kit.row import (
     BUDGET,
     CAPTION,
@@ -23,9 +22,8 @@ from rl_tui.screen.kit.row import (
     WORLD,
     beside,
 )
-from rl_tui.screen.panels.margins import wanted_margins
+from rl_tui.screen.panels.margins import LEAST_WITH_TITLES, wanted_margins
 from rl_tui.worlds.drawing import Drawing, Grid
-from rl_tui.worlds.sections.schema import WorldSection
 
 ROOMY_WIDTH: Final = 100
 ROOMY_HEIGHT: Final = 36
@@ -41,10 +39,9 @@ MEDIUM_HEIGHT: Final = 22
 class Shape:
     """Everything but the size and the open panel that affects the arrangement.
 
-    ``actions`` is the largest number of actions of a state. ``lanes`` asks for two runs side by side.
-    ``reads`` gives the screen to the lesson page if there is no space for both. ``spotlight`` is the panel
-    that the page points at. ``is_fresh``: no step was taken. ``shown`` are the ids of the panels in view,
-    None for all. ``hides_exact``: exact values are hidden.
+    ``actions``: most actions of a state. ``reads`` gives the screen to the lesson page if there is no space
+    for both. ``spotlight``: the panel that the page points at. ``is_fresh``: no step was taken. ``shown``:
+    panels in view, None for all.
     """
 
     drawing: Drawing | None = None
@@ -62,36 +59,14 @@ class Shape:
 
     @property
     def settings(self) -> str:
-        """The id of the panel about the agent: settings, or the watched program."""
+        """The panel of settings, or of the program."""
         return PROGRAM if self.is_program else CONTROLS
 
     def at_first(self) -> Shape:
-        """Return the shape without the panels that are empty until the first step."""
+        """Drop panels that are empty at first."""
         pointed = {self.spotlight} if self.spotlight else set()
         pointed |= {CURVE, TIMELINE} if pointed & {CURVE, TIMELINE} else set()
         return replace(self, shown=frozenset({WORLD, BUDGET, CONTROLS} | pointed))
-
-
-def expected_shape(
-    section: WorldSection,
-    *,
-    lanes: bool,
-    is_program: bool,
-    page: Page | None,
-    is_fresh: bool,
-    shown: frozenset[str] | None,
-) -> Shape:
-    """Return the shape as far as ``section`` gives it, before its world is built."""
-    return Shape(
-        drawing=section.sketch(),
-        lanes=lanes,
-        is_program=is_program,
-        has_lesson=page is not None,
-        reads=page is not None,
-        spotlight=None if page is None else page.spotlight,
-        is_fresh=is_fresh,
-        shown=shown,
-    )
 
 
 class SizeClass(IntEnum):
@@ -108,14 +83,14 @@ _AT_THE_RIGHT: Final = frozenset({TABLE, LAST_STEP, CONTROLS})
 
 
 def size_class(size: Size) -> SizeClass:
-    """Return the size class of a screen of ``size``."""
+    """Return a screen's size class."""
     if size.width >= ROOMY_WIDTH and size.height >= ROOMY_HEIGHT:
         return ROOMY
     return MEDIUM if size.width >= MEDIUM_WIDTH and size.height >= MEDIUM_HEIGHT else SMALL
 
 
 def docks_lesson(size: Size, shown: Collection[str] | None) -> bool:
-    """Return True if a lesson page fits beside the panels ``shown``."""
+    """Return whether a page fits beside ``shown`` panels."""
     room = size_class(size)
     return room is ROOMY or (room is MEDIUM and shown is not None and not _AT_THE_RIGHT.intersection(shown))
 
@@ -150,14 +125,14 @@ def cell_size(
 
 
 class MapSize(NamedTuple):
-    """The size of a map's ``cell``, and of the map with margins."""
+    """The size of a ``cell``, and of the map with margins."""
 
     cell: Size
     picture: Size
 
 
 def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fills: bool = False) -> MapSize:
-    """Return the size of ``grid`` in width × height, without labels if it would scroll."""
+    """Return a map's size, without labels if it would scroll."""
     margins = wanted_margins(grid, height)
     left, above = margins.left, margins.above
     cell = cell_size(grid.rows, grid.columns, width - left, height - above, is_broad=is_broad, fills=fills)
@@ -165,7 +140,7 @@ def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fil
     if not is_whole and not margins.body:
         bare = cell_size(grid.rows, grid.columns, width, height, is_broad=is_broad, fills=fills)
         fits = bare.width * grid.columns <= width and bare.height * grid.rows <= height
-        if fits or bare.width > cell.width:
+        if (fits and height < LEAST_WITH_TITLES) or bare.width > cell.width:
             cell, left, above = bare, 0, 0
     return MapSize(
         cell,
@@ -184,7 +159,7 @@ WORLDS: Final = (WORLD, beside(WORLD))
 
 
 class Arrangement(NamedTuple):
-    """The ``regions`` of panels by id, and the size of a map's ``cell``."""
+    """The panels' ``regions`` by id, and a map's ``cell``."""
 
     regions: dict[str, Region]
     cell: Size
@@ -192,7 +167,7 @@ class Arrangement(NamedTuple):
 
 @dataclass
 class ScreenPlan:
-    """The regions put so far, and the measures of the screen."""
+    """The regions put so far."""
 
     size: Size
     shape: Shape
@@ -210,21 +185,21 @@ class ScreenPlan:
             self.put_caption(CAPTION)
 
     def shows(self, panel: str) -> bool:
-        """Return True if ``panel`` should be in view."""
+        """Return whether ``panel`` should be in view."""
         return self.shape.shown is None or {PROGRAM: CONTROLS}.get(panel, panel) in self.shape.shown
 
     def put(self, panel: str, region: Region) -> None:
-        """Put ``panel`` there, unless the region is empty."""
+        """Put ``panel``, unless the region is empty."""
         if region.width > 0 and region.height > 0:
             self.regions[panel] = region
 
     def put_caption(self, panel: str) -> None:
-        """Put ``panel`` into the row above the keys, where high screens show messages."""
+        """Put ``panel`` above the keys, where high screens show messages."""
         self.foot = self.size.height - 2
         self.put(panel, Region(self.margin, self.foot, self.usable, 1))
 
     def alone(self, panel: str) -> Arrangement:
-        """Return the arrangement of ``panel``, with curve and timeline as one."""
+        """Arrange ``panel`` alone, curve and timeline as one."""
         if panel in WORLDS:
             return self._big(panel)
         body = Region(self.margin, 1, self.usable, self.foot - 1)
@@ -236,7 +211,7 @@ class ScreenPlan:
         return Arrangement(self.regions, Size(0, 0))
 
     def page(self) -> Arrangement:
-        """Return the arrangement of a lesson page, with the panel that it points at below."""
+        """Arrange a page above its spotlight."""
         panel = self.shape.spotlight
         rows = _BELOW_A_PAGE.get(panel or "", 0) if self.room is MEDIUM else 0
         if panel is not None and rows and self.shows(panel):

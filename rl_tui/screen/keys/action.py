@@ -1,18 +1,18 @@
-"""An action: what it does, where, and with which keys."""
+"""An action, and where it applies."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Flag, StrEnum, auto
-from typing import Final
+from typing import Any, Final
 
 MENUS: Final = {"a": "Agent", "w": "World", "t": "Tools", "c": "Compare", "m": "More", "r": "Again"}
 """The title of each menu, by the key that opens it."""
 
 
 class Place(Flag):
-    """The screens of an action, plus KIOSK for one without files."""
+    """Screens of an action, plus KIOSK for one without files."""
 
     CATALOGUE = auto()
     LESSONS = auto()
@@ -22,7 +22,7 @@ class Place(Flag):
 
 
 class Group(StrEnum):
-    """The headings of keys outside menus, in the order of the help."""
+    """Headings of keys outside menus, in order."""
 
     LISTS = "Lists"
     LESSON = "Lesson"
@@ -32,7 +32,7 @@ class Group(StrEnum):
 
 
 def menu_title(key: str, listed: Iterable[Action]) -> str:
-    """Return the title of the menu of ``key``, which may list drawing tools."""
+    """Return a menu's title."""
     return "Draw" if any(each.group is Group.DRAWING for each in listed) else MENUS[key]
 
 
@@ -42,18 +42,17 @@ class Action:
 
     * ``key``: Textual's name, several with commas, or a menu key and a letter (``t p``).
     * ``symbol``: the key as people see it, if different.
-    * ``old``: the key from before there were menus, which names the new one and still works, unless
-      ``old_only_tells``.
+    * ``old``: an earlier key, which names the new one and still works, unless ``old_only_tells``.
     * ``rank``: order on the key line; the highest is dropped first, None is never shown.
     * ``hint``, ``entry``: key and label on the key line and on the page of all keys.
     * ``is_first``: on the key line from the start. ``while_running``: label while the run goes on.
     * ``command``: method ``object.method`` of the screen, ``app.…`` or ``action_…``; default ``id``.
     * ``for_the_owner``: not in a kiosk. ``everywhere``: also in dialogs.
-    * ``leaves``: does not wait for other queued keys. ``unfocused``: only without a panel in focus.
+    * ``leaves``: does not wait for queued keys. ``unfocused``: only without a panel in focus.
     * ``not_for_program``, ``not_in_lesson``: reason, with ``{file}`` for the program's file.
     * ``takes_steps``: waits while a prediction is open. ``shows``: parts that a lesson may hide.
     * ``keeps_page``: leaves the lesson page in view. ``value``: current value, for a menu.
-    * ``refused``: reason why it can do nothing now. ``stays``: on the key line even then.
+    * ``refused``: why it can do nothing now. ``stays``: on the key line even then.
     """
 
     id: str
@@ -88,9 +87,13 @@ class Action:
     unfocused: bool = False
     value: str = ""
 
+    def also(self, **more: Any) -> Action:
+        """Set ``more`` fields of a row."""
+        return replace(self, **more)
+
     @property
     def menu(self) -> str:
-        """The key of the menu that lists it, or empty."""
+        """The menu's key, or empty."""
         return self.key[0] if " " in self.key else ""
 
     @property
@@ -100,12 +103,12 @@ class Action:
 
     @property
     def heading(self) -> str:
-        """The heading under which its key is listed."""
+        """The heading that lists its key."""
         return MENUS.get(self.menu, self.group)
 
     @property
     def keys(self) -> list[str]:
-        """Textual's names of its single keys, including the old one."""
+        """Textual's names of single keys, with the old one."""
         single = "" if self.menu else self.key
         return [key for key in (*single.split(","), *self.old.split(",")) if key]
 
@@ -116,7 +119,7 @@ class Action:
 
     @property
     def sentence(self) -> str:
-        """The help, or the reason why it can do nothing now."""
+        """The help, or why it is unavailable."""
         return f"Not here: {self.refused}." if self.refused else self.help
 
     @property
@@ -129,5 +132,5 @@ class Action:
 
     @property
     def key_hint(self) -> tuple[str, str]:
-        """The keys and the label on the key line."""
+        """Keys and label on the key line."""
         return self.hint or (self.shown, self.label)

@@ -1,4 +1,4 @@
-"""All actions, from which bindings, palette, help and key line derive."""
+"""The list of all actions."""
 
 from __future__ import annotations
 
@@ -11,48 +11,20 @@ from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 
 _LIST_ACTIONS: Final[tuple[Action, ...]] = (
-    Action(
-        "open",
-        "enter",
-        "open",
-        "Open the row under the cursor.",
-        Group.LISTS,
-        Place.CATALOGUE,
-        rank=0,
+    Action("open", "enter", "open", "Open the row under the cursor.", Group.LISTS, Place.CATALOGUE, rank=0),
+    Action("filter", "slash", "find", "Filter worlds, lessons and words as you type.").also(
+        group=Group.LISTS, place=Place.CATALOGUE, symbol="/", rank=1, aliases="search glossary"
     ),
-    Action(
-        "filter",
-        "slash",
-        "find",
-        "Filter worlds, lessons and words as you type.",
-        Group.LISTS,
-        Place.CATALOGUE,
-        symbol="/",
-        rank=1,
-        aliases="search glossary",
-    ),
-    Action(
-        "new_world",
-        "n",
-        "new world",
-        "Draw a new map, graph or bandit.",
-        Group.LISTS,
-        Place.CATALOGUE,
-        rank=3,
-        aliases="edit draw",
-        for_the_owner=True,
+    Action("new_world", "n", "new world", "Draw a new map, graph or bandit.").also(
+        group=Group.LISTS, place=Place.CATALOGUE, rank=3, aliases="edit draw", for_the_owner=True
     ),
     *(
-        Action(
-            f"door_{number}",
-            str(number),
-            label,
-            help_,
-            Group.LISTS,
-            Place.CATALOGUE,
+        Action(f"door_{number}", str(number), label, help_).also(
+            group=Group.LISTS,
+            place=Place.CATALOGUE,
             command=f"door({number})",
-            rank=2 if number == 1 else None,
-            hint=("1 2 3 4", "doors") if number == 1 else None,
+            rank=2 if number == 4 else None,
+            hint=("1 2 3 4", "cards") if number == 4 else None,
             for_the_owner=number == 4,
         )
         for number, label, help_ in (
@@ -62,59 +34,23 @@ _LIST_ACTIONS: Final[tuple[Action, ...]] = (
             (4, "your code", "Show how to watch your script."),
         )
     ),
-    Action(
-        "delete_session",
-        "delete",
-        "delete",
-        "Delete the session under the cursor, after asking.",
-        Group.LISTS,
-        Place.CATALOGUE,
-        symbol="del",
-        for_the_owner=True,
+    Action("delete_session", "delete", "delete", "Delete the session under the cursor, after asking.").also(
+        group=Group.LISTS, place=Place.CATALOGUE, symbol="del", for_the_owner=True
     ),
-    Action(
-        "open_lesson",
-        "enter",
-        "go on",
-        "Begin the lesson, or continue where you left it.",
-        Group.LISTS,
-        Place.LESSONS,
-        rank=0,
+    Action("open_lesson", "enter", "go on", "Begin the lesson, or continue where you left it.").also(
+        group=Group.LISTS, place=Place.LESSONS, rank=0
     ),
-    Action(
-        "begin_again",
-        "r",
-        "begin again",
-        "Begin the lesson again, after asking.",
-        Group.LISTS,
-        Place.LESSONS,
-        rank=1,
-        aliases="restart",
+    Action("begin_again", "r", "begin again", "Begin the lesson again, after asking.").also(
+        group=Group.LISTS, place=Place.LESSONS, rank=1, aliases="restart"
     ),
-    Action(
-        "leave_lessons",
-        "escape",
-        "back",
-        "Go back to the start screen.",
-        Group.LISTS,
-        Place.LESSONS,
-        symbol="esc",
-        rank=2,
-        aliases="menu list",
-        leaves=True,
+    Action("leave_lessons", "escape", "back", "Go back to the start screen.").also(
+        group=Group.LISTS, place=Place.LESSONS, symbol="esc", rank=2, aliases="menu list", leaves=True
     ),
 )
 
 _MENUS: Final = tuple(
-    Action(
-        f"menu.{label}",
-        key,
-        label,
-        help_,
-        command=f"menus.open('{key}')",
-        rank=rank,
-        needs_world=True,
-        keeps_page=True,
+    Action(f"menu.{label}", key, label, help_).also(
+        command=f"menus.open('{key}')", rank=rank, needs_world=True, keeps_page=True
     )
     for key, label, help_, rank in (
         ("a", "agent", "Open a menu: algorithm, policy, ties, settings.", 5),
@@ -127,12 +63,8 @@ _MENUS: Final = tuple(
 )
 
 _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
-    Action(
-        "back",
-        "escape",
-        "back",
-        "Close what is open, or leave.",
-        Group.PROGRAM,
+    Action("back", "escape", "back", "Close what is open, or leave.").also(
+        group=Group.PROGRAM,
         symbol="esc",
         command="leaving.back",
         keeps_page=True,
@@ -140,85 +72,42 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         aliases="menu list",
         leaves=True,
     ),
-    Action(
-        "help",
-        "question_mark",
-        "keys",
-        "Show all keys, or explain the word you point at.",
-        Group.PROGRAM,
-        Place.EVERY,
-        symbol="?",
-        rank=-1,
-        is_first=True,
+    Action("help", "question_mark", "keys", "Show all keys, or explain the word you point at.").also(
+        group=Group.PROGRAM, place=Place.EVERY, symbol="?", rank=-1, is_first=True
     ),
-    Action(
-        "find",
-        "slash,ctrl+p",
-        "find",
-        "Find anything by its name.",
-        Group.PROGRAM,
-        Place.LESSONS | Place.PLAYGROUND,
+    Action("find", "slash,ctrl+p", "find", "Find anything by its name.").also(
+        group=Group.PROGRAM,
+        place=Place.LESSONS | Place.PLAYGROUND,
         symbol="/",
         command="app.find",
         rank=16,
         is_first=True,
         aliases="palette glossary search",
     ),
-    Action(
-        "redraw",
-        "ctrl+l",
-        "draw again",
-        "Draw the whole screen again.",
-        Group.PROGRAM,
-        Place.EVERY,
-        command="app.redraw",
-        everywhere=True,
+    Action("redraw", "ctrl+l", "redraw", "Redraw the whole screen.").also(
+        group=Group.PROGRAM, place=Place.EVERY, command="app.redraw", everywhere=True
     ),
-    Action(
-        "suspend",
-        "ctrl+z",
-        "to shell",
-        "Pause the program and go to the shell.",
-        Group.PROGRAM,
-        Place.EVERY,
+    Action("suspend", "ctrl+z", "to shell", "Pause the program and go to the shell.").also(
+        group=Group.PROGRAM,
+        place=Place.EVERY,
         command="app.suspend_process",
         for_the_owner=True,
         everywhere=True,
         leaves=True,
     ),
-    Action(
-        "quit",
-        "q",
-        "quit",
-        "Close what is open, or quit.",
-        Group.PROGRAM,
-        Place.EVERY,
-        rank=24,
-        aliases="exit leave end bye",
-        leaves=True,
+    Action("quit", "q", "quit", "Close what is open, or quit.").also(
+        group=Group.PROGRAM, place=Place.EVERY, rank=24, aliases="exit leave end bye", leaves=True
     ),
-    Action(
-        "ask_to_quit",
-        "ctrl+c",
-        "quit, asking",
-        "Ask whether to quit.",
-        Group.PROGRAM,
-        Place.EVERY,
-        command="app.ask_to_quit",
-        everywhere=True,
-        leaves=True,
+    Action("ask_to_quit", "ctrl+c", "confirm quit", "Ask whether to quit.").also(
+        group=Group.PROGRAM, place=Place.EVERY, command="app.ask_to_quit", everywhere=True, leaves=True
     ),
 )
 
 
-def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
-    """Return every action, including those that open ``panels``."""
-    opening = (
-        Action(
-            f"board.{row.id}",
-            row.opened_by.key,
-            row.opened_by.label,
-            row.opened_by.help,
+def opening_actions(panels: Iterable[PanelRow]) -> tuple[Action, ...]:
+    """Return the actions that open ``panels``."""
+    return tuple(
+        Action(f"board.{row.id}", row.opened_by.key, row.opened_by.label, row.opened_by.help).also(
             command=f"board.toggle('{row.id}')",
             old=row.opened_by.old,
             rank=row.opened_by.rank,
@@ -230,18 +119,14 @@ def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
         for row in panels
         if row.opened_by is not None
     )
-    return (*_LIST_ACTIONS, *BEFORE_PANELS, *opening, *AFTER_PANELS, *_MENUS, *_PROGRAM_ACTIONS)
 
 
-ACTIONS: Final = all_actions()
+ACTIONS: Final = (
+    *(*_LIST_ACTIONS, *BEFORE_PANELS, *opening_actions(PANELS), *AFTER_PANELS, *_MENUS, *_PROGRAM_ACTIONS),
+)
 
 
-def actions_of(place: Place, panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
-    """Return the actions that apply in ``place``, in the order of the list."""
-    screen = place & Place.EVERY
-    kiosk = Place.KIOSK in place
-    return tuple(
-        action
-        for action in all_actions(panels)
-        if screen in action.place and not (kiosk and action.for_the_owner)
-    )
+def actions_of(place: Place) -> tuple[Action, ...]:
+    """Return the actions of ``place`` in order."""
+    screen, kiosk = place & Place.EVERY, Place.KIOSK in place
+    return tuple(each for each in ACTIONS if screen in each.place and not (kiosk and each.for_the_owner))

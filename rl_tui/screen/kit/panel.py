@@ -1,4 +1,4 @@
-"""Base classes of all panels, with their border and legend."""
+"""Base classes of all panels."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.bindings import key_of_hint
+from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -39,7 +40,7 @@ _MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 
 
 class LegendSign(NamedTuple):
-    """A ``sign``, its short ``meaning``, and a longer one ``in_full``."""
+    """A ``sign`` and its ``meaning``."""
 
     sign: str
     meaning: str
@@ -51,18 +52,18 @@ Legend = tuple[LegendSign, ...]
 
 
 def agent_meaning(snapshot: Snapshot) -> str:
-    """Return the meaning of the agent sign, for a planner the last backup."""
+    """Return the agent sign's meaning."""
     return "backed up" if snapshot.agent.row.planner else AGENT
 
 
 def no_value_sign(look: Look) -> LegendSign:
-    """Return the legend entry of values missing because a policy may never end."""
+    """Return the sign of values missing because a policy may never end."""
     return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, f"no value: {MAY_NEVER_END}")
 
 
 @lru_cache(_MOST_KEPT)
 def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip, ...]:
-    """Return the legend in up to ``most`` rows of ``width`` cells."""
+    """Draw the legend in up to ``most`` rows."""
     lines = _lines(_in_full(signs), width, look)
     if len(lines) > most:
         lines = _lines(signs, width, look)
@@ -86,7 +87,7 @@ def _lines(signs: Legend, width: int, look: Look) -> list[list[Piece]]:
 
 @lru_cache(_MOST_KEPT)
 def legend_text(signs: Legend, room: int, look: Look) -> str:
-    """Return the first ``signs`` that fit ``room`` cells of a border."""
+    """Write the signs that fit a border."""
     entries = _entries(_in_full(signs), look)
     if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room:
         entries = _entries(signs, look)
@@ -124,7 +125,7 @@ _HINT: Final = re.compile(r"(\S+): ?.*?(?=\s+\S+: |\s+[·–-]\s|$)")
 
 
 def key_at(hints: str, column: int) -> str | None:
-    """Return the key whose hint (``esc: close``) is at ``column``, or None."""
+    """Return the key of the hint (``esc: close``) here."""
     for hint in _HINT.finditer(hints):
         if hint.start() <= column < hint.end():
             return key_of_hint(hint[1])
@@ -134,7 +135,7 @@ def key_at(hints: str, column: int) -> str | None:
 def key_hints(*keys: Sequence[str]) -> Iterator[str]:
     """Yield texts for the lower border, from longest to shortest.
 
-    Each of ``keys`` lists its forms, longest first. Last keys shrink first, then the first keys go.
+    Each of ``keys`` lists its forms. Last keys shrink first, then the first keys go.
     """
     left = [list(forms) for forms in keys if forms]
     while left:
@@ -144,7 +145,7 @@ def key_hints(*keys: Sequence[str]) -> Iterator[str]:
 
 
 def is_same(one: object, other: object) -> bool:
-    """Return whether values are equal part by part, worlds by identity."""
+    """Compare part by part, worlds by identity."""
     if one is other:
         return True
     if type(one) is not type(other) or isinstance(one, World):
@@ -161,8 +162,7 @@ def is_same(one: object, other: object) -> bool:
 class BoardPanel(Widget):
     """A panel as the board sees it.
 
-    ``is_explained`` shows caption and legend. ``is_led``: the other run's panel chooses the visible part.
-    ``is_spotlit``: a lesson points here.
+    ``is_led``: the other run's panel chooses the visible part. ``is_spotlit``: a lesson points here.
     """
 
     snapshot: Snapshot | None = None
@@ -182,16 +182,20 @@ class BoardPanel(Widget):
 
     @property
     def stance(self) -> object:
-        """State shared with the other run's panel: cursor, visible part, scale."""
+        """State shared by two runs' panels: cursor, visible part, scale."""
         return None
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot contains all visible data."""
+        """True if the snapshot contains all visible data."""
         return True
 
+    def subject_in(self, snapshot: Snapshot) -> range:
+        """Return the pairs to mark in worlds and tables."""
+        return NOWHERE
+
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return everything visible, to redraw on changes. None: always redraw."""
+        """Return everything visible. None: always redraw."""
         return None
 
     def show(self, snapshot: Snapshot) -> None:
@@ -202,13 +206,13 @@ class BoardPanel(Widget):
             self.redraw()
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of ``twin``, the other run's panel, without redrawing."""
+        """Take the twin's stance, without redrawing."""
 
     def redraw(self) -> None:
         """Draw the last snapshot again."""
 
     def write_border(self, head: str, foot: str, look: Look) -> None:
-        """Write ``head`` above the panel and ``foot`` below it."""
+        """Write ``head`` above and ``foot`` below."""
         head = f"{look.glyphs.cursor} {head}" if self.is_spotlit else head
         texts = separated(head, look.glyphs), separated(foot, look.glyphs)
         if texts == (self.head, self.foot) and look is self._border_look:
@@ -287,12 +291,12 @@ class Panel(BoardPanel):
         return ()
 
     def captioned(self, title: str, caption: str = "") -> tuple[str, ...]:
-        """Return ``title`` with its caption, if captions are shown."""
+        """Add the caption, if captions are shown."""
         caption = caption or self.caption
         return (f"{title} · {caption}",) if self.is_explained and caption else ()
 
     def fitting(self, titles: Iterable[str], width: int) -> str:
-        """Return the first of ``titles`` that fits the border, or nothing."""
+        """Return the first fitting title."""
         room = width - BORDER_ENDS - (len(f"{self.look.glyphs.cursor} ") if self.is_spotlit else 0)
         return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
 
@@ -310,7 +314,7 @@ class Panel(BoardPanel):
             self.refresh(*(Region(0, y, self._drawn_size.width, 1) for y in changed))
 
     def on_resize(self) -> None:
-        """Fit picture and titles to the new size."""
+        """Refit picture and titles."""
         self.redraw()
 
     def render_line(self, y: int) -> Strip:
@@ -322,7 +326,7 @@ class Panel(BoardPanel):
         return self._rows[y].apply_style(self._ground or self.rich_style)
 
     def on_click(self, event: events.Click) -> None:
-        """Press the key that was clicked on the lower border."""
+        """Press the clicked key."""
         column = self.footing_column(event)
         key = None if column is None else key_at(separated(self.footing, self.look.glyphs), column)
         if key is not None:
@@ -330,7 +334,7 @@ class Panel(BoardPanel):
             self.app.simulate_key(key)
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
-        """Scroll by ``rows`` if the panel can scroll."""
+        """Scroll by ``rows`` if possible."""
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Scroll down."""
@@ -341,7 +345,7 @@ class Panel(BoardPanel):
         self.turn_wheel(-_WHEEL_ROWS, event)
 
     def footing_column(self, event: events.MouseEvent) -> int | None:
-        """Return the footing column at ``event``, or None."""
+        """Return the column in the footing."""
         text = separated(self.footing, self.look.glyphs)
         frame = len("╰─ ") if self.styles.border_right[0] else 0
         column = event.x - frame - self.foot.rfind(text)

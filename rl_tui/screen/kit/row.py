@@ -1,4 +1,4 @@
-"""Rows of the panel table: key, place and texts of a panel."""
+"""Rows of the panel table."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ BUDGET: Final = "budget"
 CONTROLS: Final = "controls"
 LAST_STEP: Final = "last_step"
 MICROSCOPE: Final = "microscope"
+MODEL: Final = "model"
 MANY_SEEDS: Final = "many_seeds"
 DISCOUNT: Final = "discount"
 POLICIES: Final = "policies"
@@ -35,7 +36,7 @@ CAPTION: Final = "caption"
 
 @dataclass(frozen=True, slots=True)
 class OpeningKey:
-    """The key that opens and closes a panel."""
+    """A panel's key."""
 
     key: str
     label: str
@@ -48,9 +49,9 @@ class OpeningKey:
 class PanelRow:
     """One panel: its class (``module:Class``), texts and availability.
 
-    ``opened_by``: closed at first, opens next to the world, or below it in ``wide_rows``. ``terms``: glossary
-    ids. ``is_twofold``: one per run. ``not_for_program`` and ``lacks``: clauses that say why a program or
-    snapshot has nothing to show. ``shows``: contents that lessons can hide.
+    ``opened_by``: closed at first, opens next to the world, or below it in ``wide_rows``. ``is_twofold``: one
+    per run. ``not_for_program`` and ``lacks``: why a program or snapshot has nothing to show. ``shows``:
+    contents that lessons can hide.
     """
 
     id: str
@@ -71,7 +72,7 @@ class PanelRow:
     lacks: Callable[[Snapshot], str] = lambda _: ""
 
     def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
-        """Return a new panel, hidden if a key opens it."""
+        """Make the panel, hidden if a key opens it."""
         panel: BoardPanel = pkgutil.resolve_name(self.widget)(
             look, id=panel_id or self.id, classes="panel" if self.has_border else None
         )
@@ -82,5 +83,5 @@ class PanelRow:
 
 
 def beside(panel: str) -> str:
-    """Return the id of the second run's ``panel``."""
+    """Return the second run's panel id."""
     return f"{panel}-beside"

@@ -1,4 +1,4 @@
-"""Scrolling, and a panel of rows that scrolls."""
+"""Scrolling panels."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rl_tui.screen.theme.look import Look
 
 
 class Scrolled(Message):
-    """The next snapshot must contain another part of a large world."""
+    """The next snapshot needs another part of a large world."""
 
 
 def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
@@ -38,12 +38,12 @@ def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
 
 
 def scrolled_to(first: int, place: int, shown: int) -> int:
-    """Return the first line nearest to ``first`` that shows ``place``."""
+    """Return the nearest line that shows ``place``."""
     return max(place - shown + 1, min(first, place))
 
 
 def scroll_bar(first: int, shown: int, total: int, height: int, look: Look) -> list[Segment]:
-    """Return a scroll bar of ``height`` cells."""
+    """Draw a scroll bar of ``height`` cells."""
     length = max(1, height * shown // total)
     start = round((height - length) * first / max(1, total - shown))
     dim, glyphs = look.palette.dim, look.glyphs
@@ -58,7 +58,7 @@ _MOST_LEFT_OUT: Final = 2
 
 
 def scroll_bindings(panel: str) -> list[BindingType]:
-    """Return the scroll keys of ``panel``."""
+    """Return a panel's scroll keys."""
     return [
         binding("up", "scroll_rows(-1)", f"{panel}.up", "Scroll up"),
         binding("down", "scroll_rows(1)", f"{panel}.down", "Scroll down"),
@@ -67,7 +67,7 @@ def scroll_bindings(panel: str) -> list[BindingType]:
 
 
 def page_bindings(panel: str) -> list[BindingType]:
-    """Return the scroll keys without up and down, for cursors."""
+    """Return scroll keys for cursors, without up and down."""
     return [
         binding("pageup", "scroll_pages(-1)", f"{panel}.page_up", "A page up"),
         binding("pagedown", "scroll_pages(1)", f"{panel}.page_down", "A page down"),
@@ -84,15 +84,8 @@ class ScrolledPanel(Panel, can_focus=True):
     """
 
     title: ClassVar[str]
-
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self.heading = self.title
-        self._first = 0
-        self._rows_in_all = 0
-        self._rows_wanted = 0
-        self._rows_in_view = 0
-        self._has_bar = False
+    _first = _rows_in_all = _rows_wanted = _rows_in_view = 0
+    _has_bar = False
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of ``width`` cells."""
@@ -114,18 +107,18 @@ class ScrolledPanel(Panel, can_focus=True):
         raise NotImplementedError
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return forms of the other keys on the lower border."""
+        """Return forms of other keys."""
         return ("esc: close",)
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
-        """Return forms of all keys on the lower border."""
+        """Return forms of all keys."""
         keys = self.keys(snapshot)
         if not is_scrolled:
             return keys
         return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the visible rows."""
+        """Draw the visible rows."""
         self.heading = self.fitting((*self.captioned(self.title), self.title), width)
         rows, is_scrolled = self._fitted(snapshot, width, height)
         self._rows_in_all, self._rows_in_view = len(rows), height
@@ -151,7 +144,7 @@ class ScrolledPanel(Panel, can_focus=True):
         self._scroll(rows)
 
     def action_scroll_pages(self, pages: int) -> None:
-        """Scroll by ``pages`` with one row of overlap."""
+        """Scroll with one row of overlap."""
         self._scroll(pages * max(1, self._rows_in_view - 1))
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:

@@ -1,4 +1,4 @@
-"""Questions that panels and dialogs ask about a snapshot."""
+"""Questions about a snapshot."""
 
 from __future__ import annotations
 
@@ -12,9 +12,6 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.live.pace.stop_condition import is_optimal
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.history import RECENT
-from rl_tui.screen.draw import numbers
-from rl_tui.screen.glossary.glossary import FigureSetting
-from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.studies.many_seeds.figures import SeedStudy
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -28,7 +25,7 @@ _FASTEST_FOLLOWED: Final = 30.0  # steps per second: faster single steps would o
 
 
 def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
-    """Return whether a new run began, not only another moment or run shown."""
+    """Return whether a new run began, not only another moment."""
     if before is None or before.run_group.shown != now.run_group.shown:
         return False
     first, was = now.timeline.branches[0], before.timeline.branches[0]
@@ -36,7 +33,7 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 
 
 def why_over(snapshot: Snapshot) -> str:
-    """Return why the run is over, and what to do."""
+    """Explain why the run is over."""
     message = snapshot.playback.message
     match snapshot.playback.phase:
         case Phase.SPENT if snapshot.program is None:
@@ -51,7 +48,7 @@ def why_over(snapshot: Snapshot) -> str:
 
 
 def is_secret(snapshot: Snapshot) -> bool:
-    """Return whether everything that reveals the exact values must be hidden."""
+    """Return whether everything that reveals exact values is hidden."""
     is_open = snapshot.playback.phase is Phase.SPENT and not keeps_back(snapshot, "answer")
     return snapshot.answers.is_hidden and not is_open
 
@@ -62,12 +59,12 @@ def keeps_back(snapshot: Snapshot, what: str) -> bool:
 
 
 def answer_key(snapshot: Snapshot) -> str:
-    """Return the text in place of hidden contents."""
+    """Return the text for hidden contents."""
     return ANSWER_KEPT if keeps_back(snapshot, "answer") else ANSWER_KEY
 
 
 def shown_by(snapshot: Snapshot, them: str = "it") -> str:
-    """Return how to reveal ``them``, or that the lesson hides them."""
+    """Say how to reveal ``them``."""
     return f"the lesson hides {them}" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
 
 
@@ -77,7 +74,7 @@ def has_estimates(snapshot: Snapshot) -> bool:
 
 
 def as_learned(snapshot: Snapshot) -> Snapshot:
-    """Return ``snapshot`` for world and table, with unknown Q as NaN."""
+    """Replace unknown Q by NaN."""
     if has_estimates(snapshot):
         return snapshot
     unknown = np.full_like(snapshot.agent.q, np.nan)
@@ -85,7 +82,7 @@ def as_learned(snapshot: Snapshot) -> Snapshot:
 
 
 def hides_means(snapshot: Snapshot) -> bool:
-    """Return whether true means of a bandit are hidden."""
+    """Return whether true means are hidden."""
     return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
 
 
@@ -95,7 +92,7 @@ def hides_greedy(snapshot: Snapshot) -> bool:
 
 
 def current_study(snapshot: Snapshot) -> SeedStudy | None:
-    """Return the many-seeds study of the current runs, or None."""
+    """Return the current runs' study."""
     study = snapshot.study
     runs = len(snapshot.run_group.lanes) or 1
     if study is None or study.is_outdated or study.seeds < 2 or len(study.lanes) != runs:
@@ -104,31 +101,31 @@ def current_study(snapshot: Snapshot) -> SeedStudy | None:
 
 
 def shown_lane(study: SeedStudy, snapshot: Snapshot) -> int:
-    """Return the index of the shown run in ``study``."""
+    """Return the shown run's index in ``study``."""
     is_same = len(snapshot.run_group.lanes or (0,)) == len(study.lanes)
     return snapshot.run_group.shown if is_same else study.shown
 
 
 def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:
-    """Return the finished episodes of each run."""
+    """Return each run's finished episodes."""
     return tuple(lane.episodes for lane in snapshot.run_group.lanes) or (snapshot.counters.episodes,)
 
 
 def recent_name(*episodes: int, most: int = RECENT) -> str:
-    """Return the name of a mean of at most ``most``: ``last 48``, ``last 27–35``."""
+    """Name a mean: ``last 48``, ``last 27–35``."""
     counts = sorted({min(each, most) for each in episodes if each}) or [most]
     return f"last {'–'.join(map(str, dict.fromkeys((counts[0], counts[-1]))))}"
 
 
 def lacks_exact(snapshot: Snapshot) -> bool:
-    """Return whether exact values are still being computed."""
+    """Return whether exact values are being computed."""
     return not snapshot.exact_answer.is_whole
 
 
 def valued_states(snapshot: Snapshot) -> tuple[int, int] | None:
     """Return how many states have changed their V, and how many have actions.
 
-    None for a large world, which is only partly known.
+    None for a large, partly known world.
     """
     agent, first = snapshot.agent, snapshot.world.space.first_pair
     if agent.part is not None:
@@ -153,30 +150,18 @@ def has_optimal_policy(snapshot: Snapshot) -> bool:
 
 
 def passes_too_fast(snapshot: Snapshot) -> bool:
-    """Return whether steps are too fast to show one by one."""
+    """Return whether steps are too fast to show."""
     too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED
     return too_fast and snapshot.playback.phase is Phase.RUNNING
 
 
 def followed_step(snapshot: Snapshot) -> LastStep | None:
-    """Return the last step, or None if too fast to show."""
+    """Return the last step, unless too fast."""
     return None if passes_too_fast(snapshot) else snapshot.counters.last_step
 
 
-def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
-    """Return the settings stated with every figure."""
-    return FigureSetting(
-        gamma=numbers.brief(snapshot.agent.hyperparameters.gamma, glyphs),
-        time_limit=snapshot.world.space.time_limit,
-        steps=snapshot.counters.step,
-        episodes=snapshot.counters.episodes,
-        is_bandit=isinstance(snapshot.world.drawing, Arms),
-        budget=snapshot.world.budget,
-    )
-
-
 def episode_shown(snapshot: Snapshot) -> int:
-    """Return the number of the current episode or sweep, from 1."""
+    """Return the episode or sweep, from 1."""
     counters, last = snapshot.counters, snapshot.counters.last_step
     if last is None or not counters.has_just_ended or last.planned != snapshot.agent.row.planner:
         return episodes_begun(snapshot)
@@ -184,12 +169,12 @@ def episode_shown(snapshot: Snapshot) -> int:
 
 
 def episodes_begun(snapshot: Snapshot) -> int:
-    """Return the number of episodes or sweeps begun."""
+    """Count the episodes or sweeps begun."""
     return snapshot.counters.episodes + (snapshot.playback.phase not in (Phase.SPENT, Phase.DONE))
 
 
 class RewardRange(NamedTuple):
-    """The range of mean rewards, and the largest standard deviation."""
+    """Range of mean rewards, and largest standard deviation."""
 
     low: float
     high: float
@@ -197,11 +182,11 @@ class RewardRange(NamedTuple):
 
     @property
     def has_one_sign(self) -> bool:
-        """Whether rewards cannot cancel out."""
+        """True if rewards cannot cancel out."""
         return self.low >= 0.0 or self.high <= 0.0
 
 
 @lru_cache(maxsize=1)  # only one world is on screen: keep no other alive
 def reward_range(mdp: TabularMDP) -> RewardRange:
-    """Return the reward range of ``mdp``."""
+    """Find the reward range."""
     return RewardRange(float(mdp.reward.min()), float(mdp.reward.max()), float(mdp.reward_std.max()))

@@ -1,4 +1,4 @@
-"""Colour scales of map and table. The layer Q uses the known V."""
+"""Colour scales. The layer Q uses the known V."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NEAR_ZERO: Final = 0.5  # share of the maximum: a scale starts at 0 if its mini
 
 
 class Ramp(Enum):
-    """Colour ramps: for values, for errors around 0, and for visits."""
+    """Colours for values, for errors around 0, and for visits."""
 
     VALUES = auto()
     ERRORS = auto()
@@ -42,8 +42,8 @@ RAMPS: Final = {Layer.ERROR: Ramp.ERRORS, Layer.LANES: Ramp.ERRORS, Layer.VISITS
 class ValueScale:
     """The range of numbers over which colours change.
 
-    ``is_signed``: both signs matter. ``cuts``: numbers exist below and above, which have the colours of the
-    ends. Visits use a logarithmic scale.
+    ``is_signed``: both signs matter. ``cuts``: numbers beyond the ends share their colours. Visits use a
+    logarithmic scale.
     """
 
     low: float = 0.0
@@ -61,13 +61,13 @@ class ValueScale:
         object.__setattr__(self, "ends", (-most, most) if is_signed else (self.low, self.high))
 
     def tints(self, palette: Palette) -> tuple[Style, ...]:
-        """Return the colours from smallest to largest number."""
+        """Return the colours from smallest to largest."""
         if self.ramp is Ramp.VISITS:
             return palette.visits
         return palette.signed if self.is_signed else palette.values
 
     def style(self, x: float, palette: Palette) -> Style:
-        """Return the colour of ``x``, plain for NaN."""
+        """Return a colour, plain for NaN."""
         if x != x:
             return palette.text
         low, high = self.ends
@@ -87,7 +87,7 @@ class ValueScale:
 
 
 def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | None:
-    """Return a scale of finite ``values``, robust to outliers, or None.
+    """Return a scale robust to outliers, or None without finite ``values``.
 
     It covers the middle 7/8 of the numbers other than 0 if the full range is over four times as wide, and
     starts at 0 if the minimum is below half of the maximum. Visits are not cut.
@@ -110,14 +110,17 @@ def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | No
 
 
 class SteadyScale:
-    """The scales of layers. They only widen, so that colours do not flicker."""
+    """The scales of layers. They only widen, so that colours do not flicker.
+
+    A studied policy widens the scale a little, or is marked as outside of it.
+    """
 
     def __init__(self) -> None:
         self._scales: dict[Layer, ValueScale] = {}
         self._is_study = False
 
     def clear(self) -> None:
-        """Forget all scales for a new run."""
+        """Forget all scales."""
         self._scales.clear()
 
     @property
@@ -126,7 +129,7 @@ class SteadyScale:
         return self._scales.get(Layer.Q, ValueScale())
 
     def of(self, snapshot: Snapshot, layer: Layer = Layer.Q) -> ValueScale:
-        """Return the scale of ``layer`` for both visible runs."""
+        """Return both runs' common scale."""
         if layer not in (Layer.Q, Layer.LANDSCAPE):
             self.of(snapshot)
         layer = Layer.Q if layer is Layer.LANDSCAPE else layer
@@ -138,6 +141,8 @@ class SteadyScale:
         now, before = value_scale(values, ramp), self._scales.get(layer)
         if now is not None and before is not None:
             now = ValueScale(min(before.low, now.low), max(before.high, now.high), ramp)
+            if is_study and now.high - now.low > _FAR * (before.high - before.low) > 0.0:
+                now = before  # a policy that wanders has returns beside which all others look equal
         if now is not None:
             cuts = now.side(float(values.min())) < 0, now.side(float(values.max())) > 0
             now = replace(now, cuts=cuts)
@@ -155,7 +160,7 @@ _TWO_DECIMALS_FROM: Final = 0.01
 
 
 def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
-    """Return the ends of ``scale`` with a bar between, which is as wide with few colours as with many.
+    """Draw a bar between the scale's ends.
 
     ``every`` leaves out columns of the bar.
     """

@@ -1,7 +1,4 @@
-"""Bars of a bandit's arms with standard errors.
-
-Their axis contains 0 and widens in round steps, so that the bars stay calm.
-"""
+"""Bars of a bandit's arms with standard errors."""
 
 from __future__ import annotations
 
@@ -30,7 +27,7 @@ _STEPS: Final = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
 class ArmsScale(NamedTuple):
-    """The ends of an axis that contains 0: low ≤ 0 ≤ high."""
+    """An axis with low ≤ 0 ≤ high."""
 
     low: float
     high: float
@@ -40,7 +37,7 @@ NO_SCALE: Final = ArmsScale(0.0, 0.0)
 
 
 def grown(scale: ArmsScale, values: Iterable[float]) -> ArmsScale:
-    """Return ``scale``, widened to round ends around all finite ``values``."""
+    """Widen to round ends around finite ``values``."""
     low, high = scale
     for value in values:
         if math.isfinite(value):
@@ -50,7 +47,7 @@ def grown(scale: ArmsScale, values: Iterable[float]) -> ArmsScale:
 
 
 def shown_scale(scale: ArmsScale) -> ArmsScale:
-    """Return the scale to draw, −1 … 1 without values."""
+    """Return the scale, −1 … 1 without values."""
     return scale if scale.low < scale.high else ArmsScale(-1.0, 1.0)
 
 
@@ -63,7 +60,7 @@ def round_up(value: float) -> float:
 
 
 def ticks(scale: ArmsScale, most: int) -> list[float]:
-    """Return about ``most`` round values on the scale, including 0."""
+    """Return about ``most`` round values, including 0."""
     span = scale.high - scale.low
     step = round_step(span / max(1, most - 1))
     first, last = math.ceil(scale.low / step - 1e-9), math.floor(scale.high / step + 1e-9)
@@ -71,7 +68,7 @@ def ticks(scale: ArmsScale, most: int) -> list[float]:
 
 
 def bound_text(value: float, glyphs: Glyphs) -> str:
-    """Return a round value in the fewest characters."""
+    """Write a round value in the fewest characters."""
     return f"{value:.6g}".replace("-", glyphs.minus) if value else "0"
 
 
@@ -92,7 +89,7 @@ _DEPTH: Final = 0.55  # colour strength of all bars but the best
 
 
 class Arm(NamedTuple):
-    """One arm. ``error`` is None before its first pull, ``mean`` while hidden."""
+    """One arm. ``error``: None before its first pull. ``mean``: None while hidden."""
 
     name: str
     estimate: float
@@ -126,7 +123,7 @@ class _Plot(NamedTuple):
 
 
 def rows_an_arm(arms: int, height: int) -> int:
-    """Return the rows per arm (1 to 3), with one for the axis."""
+    """Return 1 to 3 rows per arm."""
     return max(1, min(_MOST_ROWS, (height - 1) // arms))
 
 
@@ -136,17 +133,16 @@ def true_mean_glyph(look: Look) -> str:
 
 
 def names_width(arms: Sequence[Arm], look: Look) -> int:
-    """Return the width of the names of ``arms``."""
+    """Measure the longest name."""
     return min(_MOST_NAME, max((cell_len(to_ascii(arm.name, look.glyphs)) for arm in arms), default=0))
 
 
 def value_width(width: int, names: int) -> int:
-    """Return the width of an estimate."""
+    """Return the columns for an estimate."""
     return _VALUE if width >= _VALUES_FROM else max(_LEAST_VALUE, min(_VALUE, width - names - 3))
 
 
 def _beside(width: int) -> int:
-    """Return the columns right of the bars."""
     if width < _VALUES_FROM:
         return 2
     return 2 + _VALUE + _PULLS + (_SHARE if width >= _SHARES_FROM else 0)
@@ -155,10 +151,9 @@ def _beside(width: int) -> int:
 def draw_arms(
     canvas: Canvas, arms: Sequence[Arm], scale: ArmsScale, look: Look, each: int, names: int, form: NumberForm
 ) -> None:
-    """Draw the bars of ``arms`` and, if a row is left, the axis.
+    """Draw the bars in ``each`` rows and, if a row is left, the axis.
 
-    Each has ``each`` rows: ▸ if greedy, ◉ if pulled last, the name in ``names`` cells, a breakpoint, the bar,
-    and ★ on the revealed best arm.
+    ▸ marks greedy arms, ◉ the last pull, ★ the revealed best arm.
     """
     glyphs, palette, width, height = look.glyphs, look.palette, canvas.width, canvas.height
     left = 2 + names + 1
@@ -178,6 +173,9 @@ def draw_arms(
     axis = len(arms) * each
     if axis < height and plot.width >= _LEAST_PLOT:
         _draw_axis(canvas, axis, plot, look)
+        if width >= _VALUES_FROM and total:
+            heads = f"{'Q':>{_VALUE}}{'pulls':>{_PULLS}}{'share':>{_SHARE}}"
+            canvas.put(plot.left + plot.width + 1, axis, heads[: _beside(width) - 2], palette.dim)
 
 
 def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None:

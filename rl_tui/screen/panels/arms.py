@@ -1,4 +1,4 @@
-"""The World panel of a bandit, without hidden means and best arm."""
+"""The World panel of a bandit."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ HEADING: Final = "Arms · Q ± standard error"
 
 
 class ArmsView(WorldView):
-    """The arms of a bandit from top to bottom."""
+    """The arms from top to bottom."""
 
     scale = NO_SCALE
     _top = 0
@@ -53,10 +53,9 @@ class ArmsView(WorldView):
 
         Raises:
             TypeError: The world has no arms or no transition table.
-
         """
         if not isinstance(world.drawing, Arms) or world.mdp is None:
-            raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
+            raise TypeError("an ArmsView needs a world with a table and Arms as its drawing")
         super().enter(world, goes_on=goes_on)
         self._mdp = world.mdp
         self.heading = HEADING
@@ -69,7 +68,7 @@ class ArmsView(WorldView):
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the bars of the visible arms, and the axis."""
+        """Draw the visible arms and the axis."""
         means = None if is_secret(snapshot) else true_means_now(self._mdp, snapshot)
         drawn = drawn_pairs(self._mdp, snapshot)
         arms = tuple(
@@ -101,7 +100,7 @@ class ArmsView(WorldView):
         return canvas.strips()
 
     def signs(self) -> Legend:
-        """Return the signs of an arm and its bar."""
+        """List the signs."""
         palette, glyphs = self.look.palette, self.look.glyphs
         truth = (
             LegendSign(true_mean_glyph(self.look), "true mean", palette.optimum),
@@ -119,18 +118,18 @@ class ArmsView(WorldView):
 
     @property
     def stance(self) -> object:
-        """The cursor, the visible arms and the scale."""
+        """Cursor, visible arms and scale."""
         return self.cursor, self._top, self.scale
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of ``twin``, with a common scale."""
+        """Take the twin's stance, with a common scale."""
         super().align_with(twin)
         if isinstance(twin, ArmsView):
             self._top = twin._top if self.takes_stance_of(twin) else self._top
             self.scale = grown(self.scale, twin.scale)
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
-        """Return the place of an arm after an edit, or None."""
+        """Return the arm's place after an edit."""
         old, new = before.editor.base, now.editor.base
         if isinstance(old, ArmsDraft) and isinstance(new, ArmsDraft):
             arm = old.arm_ids[place]
@@ -138,11 +137,11 @@ class ArmsView(WorldView):
         return self.place_in(place, before.world, now.world)
 
     def place_in(self, place: int, world: World, other: World) -> int | None:
-        """Return the arm of ``other`` with the same number, or None."""
+        """Return the arm with the same number."""
         return place if place < other.space.pairs else None
 
     def agent_place(self, snapshot: Snapshot) -> int:
-        """Return the arm pulled last, at first the first arm."""
+        """Return the last pulled arm, or 0."""
         last = snapshot.counters.last_step
         return last.pair if last is not None and not last.planned else 0
 
@@ -151,12 +150,12 @@ class ArmsView(WorldView):
         return max(0, min(place + rows, self.world.space.pairs - 1))
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the arm in row ``y``, or None."""
+        """Return the arm in row ``y``."""
         place = y // self._each
         return self._top + place if place < self._shown else None
 
     def state_at(self, place: int) -> int | None:
-        """Return None, because an arm is a pair."""
+        """Return None: an arm is a pair."""
         return None
 
     def name_at(self, place: int) -> str:
@@ -164,7 +163,7 @@ class ArmsView(WorldView):
         return pair_in_words(self.world, place, self.look.glyphs)
 
     def pairs_at(self, place: int) -> range:
-        """Return the pair of the arm."""
+        """Return the arm's only pair."""
         return range(place, place + 1)
 
     def place_of(self, pair: int) -> int:
@@ -181,7 +180,7 @@ class ArmsView(WorldView):
         self._top = scrolled_to(self._top, place, self._shown)
 
     def pan(self, rows: int, columns: int) -> None:
-        """Scroll by arms."""
+        """Scroll by ``rows`` arms."""
         self._top += rows
 
     def follow(self) -> None:
@@ -194,17 +193,16 @@ class ArmsView(WorldView):
 
 
 def true_means_now(mdp: TabularMDP, snapshot: Snapshot) -> FloatArray | None:
-    """Return the true mean q*(a) of each pair at this step, [P], or None."""
+    """Return the present true means q*(a), [P]."""
     if mdp.drift_std > 0.0 and snapshot.counters.step > 0:
         return None if snapshot.exact_answer.solution is None else snapshot.exact_answer.solution.q
     return true_means(mdp)
 
 
 def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
-    """Return the standard deviation of a reward per pair, [P], as the agent knows it.
+    """Return the standard deviation of a reward per pair, [P].
 
-    Rewards of two values depend on the hidden mean. There the estimate replaces the mean: √((q − low)(high −
-    q)).
+    For rewards of two values the estimate replaces the hidden mean: √((q − low)(high − q)).
     """
     values = np.unique(mdp.reward)
     if len(values) != 2 or mdp.reward_std.any() or len(mdp.reward) == mdp.pairs:
@@ -216,11 +214,11 @@ def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
 
 
 def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
-    """Return the standard deviation that ``pulls`` (≥ 1) rewards leave in an estimate.
+    """Return the standard deviation of an estimate after ``pulls`` (≥ 1) rewards.
 
     ``noise`` is σ of one reward. A sample average leaves σ/√N. A constant step size weights rewards by α(1 −
-    α)^(N−i) (equation 2.6), which leaves σ·√(α/(2 − α)·(1 − (1 − α)^2N)). The remaining weight of Q₀, (1 −
-    α)^N, is bias and not counted.
+    α)^(N−i) (equation 2.6), which leaves σ·√(α/(2 − α)·(1 − (1 − α)^2N)). The bias from Q₀, (1 − α)^N, is not
+    counted.
     """
     if alpha == SAMPLE_AVERAGE:
         return noise / math.sqrt(pulls)
@@ -229,7 +227,7 @@ def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
 
 
 def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[Arm, ...]:
-    """Return the known facts about each arm."""
+    """Collect the known facts about each arm."""
     q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
     noise, values = noise_of_rewards(mdp, snapshot.agent.q), snapshot.agent.hyperparameters
     alpha: StepSize = SAMPLE_AVERAGE if values.sample_average else values.alpha

@@ -1,7 +1,4 @@
-"""Pictures of a cart with its pole and of a car on its hill.
-
-The agent sees only bins, so a picture shows the middle of a bin.
-"""
+"""Pictures of a cart with its pole and of a car on its hill, in the middle of the agent's bins."""
 
 from __future__ import annotations
 
@@ -31,6 +28,7 @@ UNSEEN: Final = "cart position not seen"
 _TRACK: Final = 2.4  # the cart leaves the track beyond this
 _WIDE: Final = 40  # columns from which the cart has its full width
 _HIGH: Final = 7  # rows from which cart and car are two rows high
+_LOW: Final = 4  # rows of a picture where the readings share the row of the goal
 _FALLS: Final = 12.0  # degrees at which an episode ends
 _DRAWN: Final = 30.0  # degrees of lean in the picture just before the pole falls
 _THICK: Final = 3  # half columns of the pole
@@ -40,7 +38,7 @@ _EIGHTHS: Final = "▁▂▃▄▅▆▇█"
 
 
 class Pose(NamedTuple):
-    """The ``numbers`` of a body, the last action, and the positions at the ends of a hill."""
+    """A body's ``numbers``, the last action, and the hill's ends."""
 
     kind: BodyKind
     numbers: tuple[float, ...]
@@ -50,7 +48,7 @@ class Pose(NamedTuple):
 
 @lru_cache(512)
 def body_strips(pose: Pose, width: int, height: int, look: Look) -> tuple[Strip, ...]:
-    """Return the picture of ``pose`` in ``width`` × ``height`` cells."""
+    """Draw ``pose`` in ``width`` × ``height`` cells."""
     canvas = Canvas(width, height, look.palette.text)
     draw = _draw_cart if pose.kind is BodyKind.CART_POLE else _draw_hill
     draw(canvas, pose, look)
@@ -61,7 +59,7 @@ def _draw_cart(canvas: Canvas, pose: Pose, look: Look) -> None:
     glyphs, palette = look.glyphs, look.palette
     position, _, angle, _ = pose.numbers
     ground, half = canvas.height - 1, 4 if canvas.width >= _WIDE else 2
-    top = ground - (2 if canvas.height >= _HIGH else 1)  # row of the top of the cart
+    top = ground - (2 if canvas.height >= _HIGH else 1)
     middle = canvas.width // 2
     canvas.put(0, ground, glyphs.thin * canvas.width, palette.dim)
     if not math.isnan(position):
@@ -98,14 +96,12 @@ def _write_readings(canvas: Canvas, pose: Pose, room: int, rows: int, look: Look
 
 
 def _angles(name: str, value: float, unit: str, decimals: int, room: int, look: Look) -> str:
-    """Return an angle in radians and degrees, else in degrees, else nothing."""
     degrees = _number(name, math.degrees(value), unit, decimals, look)
     both = f"{_number(name, value, '', 2, look)} ={degrees.removeprefix(name)}" if degrees else ""
     return next((form for form in (both, degrees) if len(form) <= room), "")
 
 
 def _leaning(degrees: float) -> float:
-    """Return the drawn lean of a pole, exaggerated to be visible."""
     return math.radians(max(-60.0, min(60.0, degrees * _DRAWN / _FALLS)))
 
 
@@ -134,10 +130,10 @@ def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
     position, velocity = pose.numbers
     low, high = pose.ends
     car_rows = 2 if canvas.height >= _HIGH else 1
+    most = canvas.height - 0.2 - (canvas.height > _LOW) - car_rows
 
     def level_of(place: float) -> int:
-        """Return the height of the hill in eighths of a row."""
-        return round(8 * (0.2 + (math.sin(3.0 * place) * 0.45 + 0.55) * (canvas.height - 1.2 - car_rows)))
+        return round(8 * (0.2 + (math.sin(3.0 * place) * 0.45 + 0.55) * most))
 
     def column_of(place: float) -> int:
         return round((place - low) / (high - low) * (canvas.width - 1))
@@ -151,13 +147,14 @@ def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
     flag = column_of(_FLAG)
     canvas.put(flag, row_above(_FLAG), glyphs.goal, palette.goal)
     canvas.put(flag - 5, row_above(_FLAG), "goal", palette.dim)
+    place, speed = _number("position", position, "", 2, look), _number("velocity", velocity, "", 3, look)
+    room = canvas.width if canvas.height > _LOW else flag - 6
+    forms = (f"{place}   {speed}", place) if place and speed else (place + speed,)
+    canvas.put(0, 0, next((form for form in forms if len(form) <= room), ""), palette.text)
     if not math.isnan(position):
         x, y = max(2, min(canvas.width - 3, column_of(position))), row_above(position)
         _draw_car(canvas, x, y, car_rows, look)
         _draw_push(canvas, x, -1, y - car_rows, pose.action, look)  # above the car, clear of the hill
-    place, speed = _number("position", position, "", 2, look), _number("velocity", velocity, "", 3, look)
-    texts = [text for text in (place, speed) if text]
-    canvas.put(0, 0, "   ".join(texts if len("   ".join(texts)) <= canvas.width else texts[:1]), palette.text)
 
 
 def _draw_ground(canvas: Canvas, x: int, level: int, look: Look) -> None:
@@ -209,7 +206,7 @@ def _number(name: str, value: float, unit: str, decimals: int, look: Look) -> st
 def surrounded(
     strips: list[Strip], snapshot: Snapshot, part: LabelledPart, margins: Margins, width: int, look: Look
 ) -> list[Strip]:
-    """Return ``strips`` of the map with its margins."""
+    """Put the margins around ``strips``."""
     grid, space = snapshot.world.drawing, snapshot.world.space
     assert isinstance(grid, Grid)
     if grid.axes is not None:
@@ -228,6 +225,5 @@ def surrounded(
 
 
 def _ends(middles: Sequence[float]) -> tuple[float, float]:
-    """Return the ends of equal bins."""
     half = (middles[-1] - middles[0]) / (len(middles) - 1) / 2.0
     return _HILL if math.isnan(half) else (middles[0] - half, middles[-1] + half)

@@ -1,4 +1,4 @@
-"""The table of all panels, for board, keys, palette and help."""
+"""The table of all panels."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.lesson.lesson:LessonPanel",
         "Lesson",
         "One page of a lesson: a text, and often a question or a task. enter does what the page asks, pgdn "
-        "and pgup turn pages, and h shows a hint. A task lists its conditions: ✓ is true, ○ is not true "
-        "yet, … is not known.",
+        "and pgup turn pages, and h shows a hint. A task lists its conditions. ✓ marks a condition that is "
+        "true, ○ one that is not true yet, and … one that is not known yet.",
         caption="read, predict, do, compare",
         terms=("agent", "state", "action", "reward", "policy", "value", "return"),
         of_lesson=True,
@@ -47,7 +47,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "World",
         "Colour and number show V(s): how good a state looks to the agent. Arrows, bold edges or ▸ mark "
         "greedy actions, which look best. Several arrows, or *, mean a tie. ◉ agent, ★ goal, ● hole, ╱ "
-        "cliff, S start, · all equal or unknown. A frame marks the last update, ◤ a difference between two "
+        "cliff, S start, · no greedy action yet. A frame marks the last update, ◤ a difference between two "
         "runs. A bandit's arm shows its estimate ± standard error.",
         caption="where the agent acts",
         terms=(
@@ -84,10 +84,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
-        "The area is the mean return of the last episodes. The solid line is the exact return of the greedy "
-        "policy. It has a gap if this policy may never end. The dashed line is the return of the optimal "
-        "policy for the current γ. ▾ and ▴ mark values outside the axis. If all returns are equal, the "
-        "panel shows steps.",
+        "Filled: the mean return of the last episodes. Solid line: the greedy policy's exact return, "
+        "with a gap if it may never end. Dashed line: the optimal return for this γ. ▾ and ▴ mark values "
+        "outside the axis. If all returns are equal, the chart shows steps. With one action per state, it "
+        "shows the error of V.",
         caption="what each episode has earned",
         terms=(
             *("return", "episode", "greedy", "last-100", "gamma-best"),
@@ -99,8 +99,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.timeline:TimelineBar",
         "Timeline",
         "The run so far, from left to right. Drag the handle, or use the arrows, to go back: all panels "
-        "show that moment. Run on to repeat the run, or change something to begin a branch. ★ first reward, "
-        "┃ new greedy policy, ◆ edited world, ▾ changed setting, ╍ your own steps, ┆ start of the branch.",
+        "show the run as it was then. Continue from there to repeat the run, or change something to begin "
+        "a branch. "
+        "★ first reward, ┃ new greedy policy, ◆ edited world, ▾ changed setting, ╍ your own steps, "
+        "┆ start of the branch.",
         caption="go back in the run",
         terms=("branch", "episode", "seed"),
         has_border=False,
@@ -110,8 +112,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.budget:BudgetPanel",
         "Budget",
         "The pulls of a bandit, and its winnings: the sum of rewards. Regret is the expected loss compared "
-        "with the best arm. It appears when the exact values are shown or all pulls are used. Winnings "
-        "contain luck, and regret does not. So the two need not add up to the best possible.",
+        "with the best arm. Regret appears when exact values are shown, or after the last pull. "
+        "Winnings depend on luck, and regret does not. So winnings plus regret can differ from the best "
+        "possible sum.",
         caption="what the pulls earned",
         terms=(
             *("winnings", "regret", "best-possible", "best-arm-share", "best-arm"),
@@ -122,11 +125,14 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CONTROLS,
         "rl_tui.screen.panels.controls.controls:Controls",
         "Agent",
-        "The settings of the agent, with a slider for each that has an effect. 1 to 4 go to a slider, left "
-        "and right change it, and enter types a value. A change applies from the next step on. A new "
-        "initial Q (r i) or seed (r s) starts the run again. a o shows every setting.",
+        "Each setting that has an effect now has a slider. 1 to 4 go to a slider, left and right change it, "
+        "and enter types a value. ┃ on γ is a flip point: { and } go to it. A change applies from the next "
+        "step. A new initial Q (r i) or seed (r s) restarts the run. a o shows every setting.",
         caption="its settings and sliders",
-        terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
+        terms=(
+            *("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
+            "flip-point",
+        ),
     ),
     PanelRow(
         row.PROGRAM,
@@ -157,10 +163,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CAPTION,
         "rl_tui.screen.panels.caption:CaptionLine",
         "Caption",
-        "One sentence about progress: nothing is learned yet, how far values have spread, or an optimal "
-        "policy is found. It appears in full screen (f), and in your first runs, while panels appear one by "
+        "One sentence about progress, such as: nothing is learned yet. It appears in full screen (f), "
+        "and in your first runs, while panels appear one by "
         "one.",
-        caption="what is learned just now",
+        caption="what is being learned",
         terms=("state", "value", "reward", "policy", "greedy"),
         has_border=False,
     ),
@@ -169,9 +175,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.microscope.microscope:Microscope",
         "Microscope",
         "The last step in detail. Highlighted numbers belong to the updated cell. Underlined numbers were "
-        "read from Q. The backup diagram shows all possible outcomes of the action, with ▸ at the real one. "
-        "The expected target is the mean over them. The difference is luck. Below is the history of one "
-        "cell: under the cursor, or updated.",
+        "read from Q. The backup diagram shows all possible outcomes of the action, and ▸ marks the real "
+        "one. Their mean is the expected target. It differs from the sampled target by luck. Below is the "
+        "history of the chosen cell, or of the updated one.",
         caption="the last step in detail",
         terms=(
             *("backup", "bellman", "target", "td-error"),
@@ -181,24 +187,31 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         shows=("model",),
     ),
     PanelRow(
+        row.MODEL,
+        "rl_tui.screen.panels.model:ModelPanel",
+        "Model",
+        "The parts of the MDP, ⟨S, A, P, R, γ⟩, and one state–action pair in full: its outcomes, its "
+        "estimate, and the Bellman equation of its exact value. ↑ and ↓ choose the state, ← and → the "
+        "action. The world marks s, a and each possible s′. A cursor in world or table chooses a pair too.",
+        caption="what the world can do",
+        terms=("model", "mdp", "state", "action", "reward", "gamma", "pair", "bellman", "q-star"),
+        opened_by=OpeningKey("w m", "model", "Show the outcomes of each state–action pair."),
+        shows=("model",),
+    ),
+    PanelRow(
         row.MANY_SEEDS,
         "rl_tui.screen.panels.many_seeds:ManySeeds",
         "Many seeds",
-        "The same run under many other seeds: is a result luck? Each row shows the number of this seed, "
-        "then the mean over all seeds ± its standard error. Two or more runs are compared seed by seed: the "
-        "brackets hold the range of the difference, three standard errors to each side. After a change, "
-        "enter repeats the study.",
+        "Repeats the run with many other seeds, to see whether a result is luck. Each row shows the result "
+        "of this seed, then the mean over all seeds ± its standard error. Two or more runs are compared "
+        "seed by seed: the brackets show the difference ± three standard errors. After you change a "
+        "setting, enter repeats the study.",
         caption="luck, or a real difference?",
         terms=(
             *("standard-error", "many-seeds", "paired-difference", "seed"),
             *("lane", "regret", "last-100", "greedy"),
         ),
-        opened_by=OpeningKey(
-            "t m",
-            "many seeds",
-            "Run the same under many other seeds.",
-            old="M",
-        ),
+        opened_by=OpeningKey("t m", "many seeds", "Repeat this run with many other seeds.", old="M"),
         wide_rows=12,
         not_for_program="this is for built-in agents. For yours: rl-tui grade {file}",
         shows=("many seeds",),
@@ -207,10 +220,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.DISCOUNT,
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
-        "Q*, the exact value, of each action in one state, for γ from 0 to 1. The highest line is the "
-        "optimal action. At each flip point (vertical line) an optimal action changes: ◆ in this state, ┃ "
-        "on the optimal path. ● is the current γ. Arrows choose a flip point, enter sets γ beyond it. "
-        "Limit: worlds of up to 100 states.",
+        "The exact value Q* of each action in one state, for γ from 0 to 1. The highest line is optimal. At "
+        "each flip point (vertical line) an optimal action changes: ◆ in this state, ┃ on the optimal path. "
+        "● is the current γ. Arrows choose a flip point. enter moves γ to the other side of it. Limit: "
+        "worlds of up to 100 states.",
         caption="where the optimal actions change",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey(
@@ -225,7 +238,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.policies.policies:Policies",
         "Policies",
         "The exact return of each policy: random, greedy, agent, optimal, and your own (w p). The column "
-        "return is undiscounted and within the time limit. The column at start is V(s) there, discounted. "
+        "return is undiscounted and within the time limit. The column at start is the discounted value "
+        "of the start state. "
         "World and curve show the policy under the cursor. enter keeps this policy and closes the panel. "
         "esc goes back to the agent.",
         caption="exact return of each policy",
@@ -251,7 +265,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             *("unreached", "no-way-out", "return", "greedy", "truncated"),
         ),
         opened_by=OpeningKey("w c", "world check", "Check the world for traps and dead ends.", old="Q"),
-        not_for_program="this checks scenarios. In a shell: rl-tui check --deep",
+        not_for_program="not available for scripts. In a shell: rl-tui check --deep",
         shows=("policies", "why", "flips", "answer"),
         lacks=_without_check,
     ),
@@ -265,19 +279,14 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "that shows the problem.",
         caption="what is wrong, and where",
         terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
-        opened_by=OpeningKey(
-            "a f",
-            "findings",
-            "Show what is wrong with your program.",
-            old="F",
-        ),
+        opened_by=OpeningKey("a f", "findings", "Show what is wrong with your program.", old="F"),
         of_program=True,
     ),
     PanelRow(
         row.OUTPUT,
         "rl_tui.screen.panels.program.output:OutputPanel",
         "Output",
-        "The last lines that your program wrote, each after the number of steps taken. ! marks stderr "
+        "The last lines that your program wrote, each with the number of steps before it. ! marks stderr "
         "(errors and warnings), and the traceback of an exception is at the end. The view follows the last "
         "line until you scroll up. Press end to follow again.",
         caption="what your program wrote",

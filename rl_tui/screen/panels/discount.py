@@ -1,4 +1,4 @@
-"""The panel of flip points: a chart of Q*(γ) above their list."""
+"""The panel of flip points."""
 
 from __future__ import annotations
 
@@ -54,18 +54,18 @@ _GAP: Final = "  "
 
 
 class FlipForm(NamedTuple):
-    """Number formats of γ and returns for all flips."""
+    """Number formats of γ and returns."""
 
     gamma_decimals: int
     return_decimals: int
     verb: str
 
     def gamma(self, flip: Flip, look: Look) -> str:
-        """Return γ as text."""
+        """Write γ."""
         return numbers.fixed(flip.gamma, self.gamma_decimals, look.glyphs, leading_zero=False)
 
     def returns(self, flip: Flip, look: Look) -> str:
-        """Return the optimal returns below and above ``flip`` as text."""
+        """Write the optimal returns around ``flip``."""
         known = [each for each in flip.expected_return if each is not None]
         is_equal = len(known) < 2 or abs(known[0] - known[1]) < numbers.NEGLIGIBLE
         decimals = self.return_decimals
@@ -81,7 +81,7 @@ _FORMS: Final = ((4, "earns "), (3, "earns "), (3, ""), (2, ""))  # decimals of 
 
 
 def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
-    """Return the longest form of all ``flips`` that fits ``width`` cells.
+    """Return the longest fitting form of all ``flips``.
 
     γ has three decimals, or enough to distinguish every flip.
     """
@@ -115,7 +115,7 @@ def _return_text(value: float | None, decimals: int, look: Look) -> str:
 def flip_lines(
     flip: Flip, state: int, world: World, look: Look, width: int, form: FlipForm, *, is_chosen: bool
 ) -> list[Line]:
-    """Return the lines of one flip, changes in ``state`` first."""
+    """Describe one flip, changes in ``state`` first."""
     palette, glyphs = look.palette, look.glyphs
     is_here = any(turn.state == state for turn in flip.turns)
     signs = flip_sign(flip, look) + (glyphs.change_mark if is_here else " ")
@@ -133,7 +133,7 @@ def flip_lines(
 
 
 def turns_in_words(turns: Sequence[Turn], state: int, world: World, look: Look) -> Iterator[str]:
-    """Yield texts like ``states 0, 2: ← to ↑``, one per change of actions."""
+    """Yield ``states 0, 2: ← to ↑``."""
 
     def changes(turn: Turn) -> tuple[str, str]:
         return _actions(turn.before, world, look), _actions(turn.after, world, look)
@@ -174,8 +174,6 @@ _RANKED: Final = "worst to best"
 
 
 class _Drawn(NamedTuple):
-    """Chart and list, free rows, and the range of listed flips."""
-
     strips: list[Strip]
     free_rows: int
     listed: str
@@ -205,19 +203,23 @@ class DiscountPanel(Panel, can_focus=True):
         gamma: float
 
     def point_at(self, pairs: range) -> None:
-        """Show the state of ``pairs``, by default the agent's."""
+        """Show a state, by default the agent's."""
         if pairs != self._pointed:
             self._pointed = pairs
             self.redraw()
 
+    def subject_in(self, snapshot: Snapshot) -> range:
+        """Return the pairs of the drawn state."""
+        return NOWHERE if said_instead(snapshot) else snapshot.world.space.pairs_of(self._state(snapshot))
+
     @property
     def chosen(self) -> Flip | None:
-        """The chosen flip, or None."""
+        """The chosen flip, if any."""
         flips = () if self.snapshot is None else _shown_flips(self.snapshot)
         return next((flip for flip in flips if flip.gamma == self._chosen), None)
 
     def action_choose(self, by: int) -> None:
-        """Choose the next flip, at first the one nearest to γ."""
+        """Choose the next flip, at first the nearest."""
         if self.snapshot is None or not (flips := _shown_flips(self.snapshot)):
             return
         gammas = [flip.gamma for flip in flips]
@@ -261,7 +263,7 @@ class DiscountPanel(Panel, can_focus=True):
         )
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the chart above the list, or a reason."""
+        """Draw chart and list, or a reason."""
         self.heading, self.footing, self.free_rows = _TITLE, self.fitting(("esc: close",), width), 0
         palette = self.look.palette
         text = "" if snapshot is None else said_instead(snapshot)
@@ -299,10 +301,7 @@ class DiscountPanel(Panel, can_focus=True):
         )
 
     def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> _Drawn:
-        """Return the chart above the list, which takes milliseconds.
-
-        The chosen flip has priority over the legend, and the legend over other flips.
-        """
+        """Draw in milliseconds: first the chosen flip, then the legend, then other flips."""
         answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
         assert answer.curves is not None
         blocks = _blocks(snapshot, state, chosen, look, width)
@@ -345,7 +344,7 @@ class DiscountPanel(Panel, can_focus=True):
 
 
 def why_empty(snapshot: Snapshot) -> str:
-    """Return why the panel will stay empty, as far as known."""
+    """Explain why the panel will stay empty."""
     from rl_tui.runs.answers.flip_answers import at_once
 
     answer, mdp = snapshot.answers.flips, snapshot.world.mdp
@@ -358,7 +357,7 @@ def why_empty(snapshot: Snapshot) -> str:
 
 
 def said_instead(snapshot: Snapshot) -> str:
-    """Return the text in place of a chart."""
+    """Return the text instead of a chart."""
     answer = snapshot.answers.flips
     if reason := why_empty(snapshot):
         return reason
@@ -391,7 +390,6 @@ def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, wid
 
 
 def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> range:
-    """Return the whole blocks around ``focused`` that fit ``rows``."""
     first, behind = focused, focused + 1
     free = rows - len(blocks[focused])
     grows = True

@@ -1,7 +1,4 @@
-"""The runs under many seeds: means ± standard errors beside this seed.
-
-Several runs have paired differences too.
-"""
+"""Means ± standard errors of many seeds, and paired differences."""
 
 from __future__ import annotations
 
@@ -20,6 +17,7 @@ from rl_tui.runs.bandit import true_means
 from rl_tui.runs.history import RECENT
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
+from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
 from rl_tui.screen.kit.charts import SeedMarks
@@ -114,7 +112,7 @@ def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
 
 def _meaning(study: SeedStudy, snapshot: Snapshot, look: Look, *, has_marks: bool) -> str:
     first = snapshot.recipe.seed
-    which = "" if study.is_outdated else f" over seeds {first} to {first + study.seeds - 1}"
+    which = "" if study.is_outdated else f" over seeds {first}–{first + study.seeds - 1}"
     meaning = f"± is the standard error{which}"
     if has_marks and any(lane.seeds for lane in study.lanes):
         glyphs = look.glyphs
@@ -139,9 +137,9 @@ _LEAST_LANE: Final = 8  # cells of a run's number and name
 def seed_table(
     study: SeedStudy, snapshot: Snapshot, figures: Sequence[StudyFigure], look: Look, charted: int
 ) -> Table:
-    """Return this seed beside the mean, a row per run for each of ``figures``.
+    """Put this seed beside the mean, with a row per run for each of ``figures``.
 
-    The first ``charted`` figures show their seeds. The first verdict explains its brackets.
+    The first ``charted`` show their seeds. The first verdict explains its brackets.
     """
     is_alone, palette = len(study.lanes) == 1, look.palette
     charts: dict[int, Block] = {}
@@ -188,7 +186,6 @@ def seed_table(
 
 
 def _spreads(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[SeedMarks | None]:
-    """Yield the seeds of each run on a common axis."""
     seeds = [lane.seeds.get(figure.id, np.empty(0)) for lane in study.lanes]
     every, palette = np.concatenate(seeds), look.palette
     axis = (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
@@ -252,9 +249,9 @@ def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[str
 
 
 def _verdict_text(study: SeedStudy, figure: StudyFigure, other: int, look: Look) -> str:
-    """Return ``2 is better: higher by 22.5 ± .6 (20.7 to 24.3), in 64 of 64 seeds``.
+    """Return ``2 is better: higher by 22.5 ± .6 (20.7 to 24.3), in 64 of 64 seeds`` from printed numbers.
 
-    Without enough evidence: ``so far 2 is higher by …``. It uses printed numbers.
+    Without enough evidence: ``so far 2 is higher by …``.
     """
     difference, glyphs = study.lanes[other].differences[figure.id], look.glyphs
     verdict = verdict_of(figure, difference)
@@ -262,7 +259,7 @@ def _verdict_text(study: SeedStudy, figure: StudyFigure, other: int, look: Look)
         return ""
     shown, that = study.shown + 1, other + 1
     if verdict.equal == verdict.count:
-        return f"{shown} and {that} have the same in every seed"
+        return f"{shown} and {that} are equal in every seed"
     decimals = figure_decimals(figure, study)
     means = [study.lanes[number].estimates[figure.id] for number in (study.shown, other)]
     by, stderr = round(verdict.by, decimals), round(verdict.stderr, decimals) or verdict.stderr
@@ -291,7 +288,7 @@ _SAYS_WHY: Final = (StudyState.FAILED, StudyState.REFUSED)
 
 
 class ManySeeds(ScrolledPanel):
-    """One seed beside the mean of many, and paired differences of runs."""
+    """One seed beside the mean of many."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         *scroll_bindings("many_seeds"),
@@ -300,7 +297,7 @@ class ManySeeds(ScrolledPanel):
     title = "Many seeds"
 
     def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
-        """Yield the results so far, without hidden ones."""
+        """Yield the results so far."""
         study, look = None if snapshot is None else snapshot.study, self.look
         if snapshot is None or study is None:
             yield Text(FIRST_SEEDS, look.palette.dim)
@@ -323,9 +320,9 @@ class ManySeeds(ScrolledPanel):
         yield from remarks(study, snapshot, look, secret=secret, has_marks=charted > 0)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the keys to close and to count again."""
+        """Return the keys to close and train again."""
         is_over = may_count_again(None if snapshot is None else snapshot.study)
-        return [*key_hints(("enter: count again", "enter: again") if is_over else (), ("esc: close",))]
+        return [*key_hints(("enter: train again", "enter: again") if is_over else (), ("esc: close",))]
 
 
 def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
@@ -346,8 +343,6 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block
 
 @dataclass(frozen=True, slots=True)
 class _Progress:
-    """``64 of 256 seeds · episodes 1–500`` with a bar."""
-
     study: SeedStudy
     span: str
 
@@ -357,11 +352,13 @@ class _Progress:
         count = f"{study.seeds}" if is_whole else f"{study.seeds} of {study.most}"
         said = Piece(f" {count} seeds", palette.strong)
         spans = [
-            Piece(f" · {form}", palette.dim) for form in (self.span, self.span.partition(" ")[2]) if form
+            Piece(separated(f" · {form}", glyphs), palette.dim)
+            for form in (self.span, self.span.partition(" ")[2])
+            if form
         ]
         forms: list[Line] = [*([said, form] for form in spans), [said], [Piece(f" {count}", palette.strong)]]
         fitting = first_that_fits(forms, width, look)
-        whole = [*forms[0], Piece(" · low priority", palette.dim)]
+        whole = [*forms[0], Piece(separated(" · low priority", glyphs), palette.dim)]
         if study.state in _UNDER_WAY and length(spelled(whole, look)) + _LEAST_BAR + 2 <= width:
             fitting = whole
         room = min(_MOST_BAR, width - length(spelled(fitting, look)) - 2)

@@ -1,4 +1,4 @@
-"""The margins around a map for labels and a body."""
+"""The margins around a map."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from textual.strip import Strip
 
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.drawing import BodyKind, Grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from rl_tui.worlds.drawing import Axes, Title
 
 _LEAST_BODY: Final = 4  # rows
-_MOST_BODY: Final = 9  # rows, with its heading
+_MOST_BODY: Final = {BodyKind.CART_POLE: 9, BodyKind.MOUNTAIN_CAR: 12}  # rows, with the heading
 _BODY_SHARE: Final = 3  # a body has this fraction of the rows
 _LEAST_MAP: Final = 5  # rows of a map below a body
-_LEAST_WITH_TITLES: Final = 14  # rows of a scrolling map with labels
+LEAST_WITH_TITLES: Final = 14
+"""Rows of a map that scrolls to show all its labels."""
 BINS: Final = "Bins"
 ALL_SEEN: Final = "all the agent sees"
 
@@ -38,7 +39,7 @@ class Margins(NamedTuple):
 
     @property
     def names_bins(self) -> bool:
-        """Whether a heading explains the bins below a body."""
+        """True if a heading explains the bins."""
         return self.body > 0 and self.labels > 1
 
     @property
@@ -51,39 +52,44 @@ NO_MARGINS: Final = Margins()
 
 
 def wanted_margins(grid: Grid, height: int) -> Margins:
-    """Return the preferred margins of ``grid``."""
-    axes, body = grid.axes, 0
-    if grid.body is not None and height >= _LEAST_BODY + _LEAST_MAP:
-        body = max(_LEAST_BODY, min(_MOST_BODY, height // _BODY_SHARE))
+    """Return a map's preferred margins."""
+    axes, body, most = grid.axes, 0, _most_body(grid)
+    if most and height >= _LEAST_BODY + _LEAST_MAP:
+        body = max(_LEAST_BODY, min(most, height // _BODY_SHARE))
     if axes is None:
         return Margins(body=body)
     longest, has_heading = max(map(len, axes.rows)), body > 0 and axes.names is not None
     has_titles = any(title.row < 0 for title in axes.titles)
     labels = any(axes.columns) + (has_heading or has_titles)
-    return Margins(longest + bool(longest), min(body, _MOST_BODY - has_heading), labels)
+    return Margins(longest + bool(longest), min(body, most - has_heading), labels)
+
+
+def _most_body(grid: Grid) -> int:
+    return 0 if grid.body is None else _MOST_BODY[grid.body.kind]
 
 
 def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Margins:
-    """Return the margins of a map with this ``cell`` size.
+    """Return the margins beside this ``cell`` size.
 
-    They use the free space. Scrolling maps make space for labels, all maps for their body.
+    They use free space. Scrolling and high maps make space for labels, all maps for their body.
     """
     wanted = wanted_margins(grid, height)
     across, down = width - grid.columns * cell[0], height - grid.rows * cell[1]
     left = wanted.left if across >= wanted.left or across < 0 else 0
     labels = max(0, min(wanted.labels, down))
     lacks_body = wanted.body > 0 and down - labels < _LEAST_BODY
-    if down < 0 or lacks_body:
-        most = 2 if wanted.body or height >= _LEAST_WITH_TITLES else 1
+    is_high = height >= LEAST_WITH_TITLES
+    if down < 0 or lacks_body or (is_high and labels < wanted.labels):
+        most = 2 if wanted.body or is_high else 1
         return Margins(left, wanted.body, min(wanted.labels, most))
-    return Margins(left, min(_MOST_BODY, down - labels) if wanted.body else 0, labels)
+    return Margins(left, min(_most_body(grid), down - labels) if wanted.body else 0, labels)
 
 
 # The labels
 
 
 class LabelledPart(NamedTuple):
-    """The visible cells of a map, and their size."""
+    """A map's visible cells, and their size."""
 
     top: int
     left: int
@@ -101,10 +107,7 @@ def labelled(
     state: int,
     look: Look,
 ) -> list[Strip]:
-    """Return ``strips`` of a map with its labels.
-
-    The labels of ``state`` are highlighted. Titles of parts are in walls.
-    """
+    """Label a map, highlighting ``state``. Titles of parts are in walls."""
     axes, rows = grid.axes, list(strips)
     assert axes is not None
     row, column = divmod(grid.cell_of_state[state], grid.columns)
@@ -132,7 +135,6 @@ def _titled(strip: Strip, title: Title, part: LabelledPart, is_here: bool, look:
 
 
 def _placed(title: Title, part: LabelledPart, look: Look) -> tuple[str, int]:
-    """Return the text of ``title``, empty if too wide, and its first column."""
     room = title.columns * part.cell[0]
     forms = (to_ascii(each, look.glyphs) for each in (title.text, title.brief))
     text = next((each for each in forms if len(each) <= room), "")
@@ -177,7 +179,6 @@ def _heads(
 def _put_titles(
     canvas: Canvas, axes: Axes, part: LabelledPart, start: int, own: Title | None, look: Look
 ) -> None:
-    """Draw the titles of the first visible row, unless that row has titles itself."""
     nearest = max((title.row for title in axes.titles if title.row <= part.top), default=part.top)
     for title in axes.titles if nearest < part.top else ():
         text, x = _placed(title, part, look)

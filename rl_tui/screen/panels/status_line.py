@@ -1,4 +1,4 @@
-"""The status line: world, phase, speed, and progress of the run."""
+"""The status line."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class WaitingRow(Panel):
     """Seconds without an answer of the environment, or 0."""
 
     def show_unanswered(self, seconds: float) -> None:
-        """Show the seconds without an answer, if many."""
+        """Show the seconds, if many."""
         shown = int(seconds) if seconds >= _WORTH_SHOWING else 0
         if shown != self.unanswered:
             self.unanswered = shown
@@ -67,7 +67,7 @@ class WaitingRow(Panel):
 class StatusLine(WaitingRow):
     """Phase, speed, episode and steps, or a message.
 
-    ``is_manual``: a person acts. ``is_captioned``: a caption says why the run waits.
+    ``is_captioned``: a caption says why the run waits.
     """
 
     is_manual = is_captioned = False
@@ -76,55 +76,29 @@ class StatusLine(WaitingRow):
     _session = ""
 
     def name_session(self, name: str) -> None:
-        """Show the name of the session."""
+        """Show the session's name."""
         if name != self._session:
             self._session = name
             self.redraw()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the row, padded with blank ones."""
-        line = status_line(
-            snapshot,
-            self.look,
-            width,
-            is_manual=self.is_manual,
-            is_captioned=self.is_captioned,
-            unanswered=self.unanswered,
-            session=self._session,
-            scenario=self.title,
-        )
-        return strips_of([line], width, height, self.look)
+        """Draw the line, padded with blank rows."""
+        return strips_of([self._line(snapshot, width)], width, height, self.look)
 
-
-def status_line(
-    snapshot: Snapshot | None,
-    look: Look,
-    width: int,
-    *,
-    is_manual: bool = False,
-    is_captioned: bool = False,
-    unanswered: int = 0,
-    session: str = "",
-    scenario: str = "",
-) -> Line:
-    """Return the row, without a snapshot with ``scenario``.
-
-    ``is_captioned``: a caption says why the run waits. For the rest see :func:`waiting_line`.
-    """
-    palette = look.palette
-    waits = waiting_line(snapshot, look, width, unanswered=unanswered, scenario=scenario)
-    if waits is not None or snapshot is None:
-        return waits or []
-    margin = 2 if width >= WIDE else 1
-    fields = _fields(snapshot, look, width, is_manual=is_manual, is_captioned=is_captioned)
-    fields = _fitting(fields, width - 2 * margin)
-    right = [piece for field in fields for piece in _pieces(field, look)]
-    room = max(0, width - 2 * margin - length(right))
-    name = _title(snapshot, look, room, session)
-    if room < _LEAST_TITLE and name[0].text.endswith(look.glyphs.ellipsis):
-        name = []
-    blanks = Piece(" " * (room - length(name)), palette.text)
-    return [Piece(" " * margin, palette.text), *name, blanks, *right]
+    def _line(self, snapshot: Snapshot | None, width: int) -> Line:
+        look = self.look
+        waits = waiting_line(snapshot, look, width, unanswered=self.unanswered, scenario=self.title)
+        if waits is not None or snapshot is None:
+            return waits or []
+        margin = 2 if width >= WIDE else 1
+        fields = _fields(snapshot, look, width, is_manual=self.is_manual, is_captioned=self.is_captioned)
+        right = [piece for field in _fitting(fields, width - 2 * margin) for piece in _pieces(field, look)]
+        room = max(0, width - 2 * margin - length(right))
+        name = _title(snapshot, look, room, self._session)
+        if room < _LEAST_TITLE and name[0].text.endswith(look.glyphs.ellipsis):
+            name = []
+        blanks = Piece(" " * (room - length(name)), look.palette.text)
+        return [Piece(" " * margin, look.palette.text), *name, blanks, *right]
 
 
 def how_far(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> tuple[Piece, ...]:
@@ -139,7 +113,7 @@ def how_far(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> t
 def waiting_line(
     snapshot: Snapshot | None, look: Look, width: int, *, unanswered: int = 0, scenario: str = ""
 ) -> Line | None:
-    """Return why a run has stopped or waits, or None.
+    """Return why a run has stopped or waits.
 
     ``unanswered``: seconds without an answer of the environment. ``scenario``: title without a snapshot.
     """
@@ -148,7 +122,7 @@ def waiting_line(
         program = None if snapshot is None else snapshot.program
         who = "the environment" if program is None else "your program"
         if program is not None and program.stands_at is not None:
-            who += f", in line {program.stands_at},"
+            who += f", in {program.stands_at},"
         text = f"{who} has not answered for {unanswered:,} s; esc leaves it"
         if snapshot is None:
             return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.strong)]
@@ -183,8 +157,6 @@ def _pieces(field: _Field, look: Look) -> list[Piece]:
 
 
 def _fitting(fields: list[_Field], width: int) -> list[_Field]:
-    """Return the ``fields`` that fit beside a title, the speed last to go."""
-
     def room_beside(kept: list[_Field]) -> int:
         return width - sum(field.columns + _GAP for field in kept)
 
@@ -281,7 +253,6 @@ def _state(look: Look, most: int, doing: tuple[str, str, bool]) -> _Field:
 
 
 def _doing(snapshot: Snapshot, look: Look, *, is_manual: bool, is_captioned: bool) -> tuple[str, str, bool]:
-    """Return sign and words of the phase, and whether a person acts."""
     glyphs, playback, in_past = look.glyphs, snapshot.playback, snapshot.timeline.in_past
     is_program = snapshot.program is not None
     if playback.phase is Phase.SPENT:

@@ -1,7 +1,8 @@
-"""The world check: results and warnings on the current world."""
+"""The world check."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from functools import partial
 from typing import ClassVar, Final
@@ -38,13 +39,13 @@ _BESIDE: Final = 34
 
 
 class WorldCheckPanel(ScrolledPanel):
-    """The progress of the check, its warnings and rows."""
+    """The check's progress, warnings and results."""
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("world_check")
     title = TITLE
 
     def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
-        """Yield the known results of the check."""
+        """Yield the known results."""
         palette, view = self.look.palette, None if snapshot is None else snapshot.world_check
         if snapshot is None or view is None:
             yield Text(WAITING, palette.dim)
@@ -61,7 +62,7 @@ class WorldCheckPanel(ScrolledPanel):
         names = partial(state_name, world, glyphs=self.look.glyphs)
         for row in rows(report, world.space, view.gamma, names):
             label = LABELS[row.field]
-            yield BLANK
+            yield from () if left_out else (BLANK,)
             yield Labelled(label, palette.dim, _LABEL, _said(row, snapshot, view, self.look), _BESIDE)
         if is_secret(snapshot):
             yield Text(f"{veiled(self.look.glyphs)} is hidden: {shown_by(snapshot)}", palette.dim)
@@ -76,9 +77,7 @@ def _how_far(view: WorldCheckView, look: Look) -> Text:
         text, style = OUTDATED, palette.strong
     elif report is not None and report.stage is CheckStage.DONE:
         count = len(report.warnings)
-        text, style = FINE, palette.good
-        if count:
-            text, style = counted(count, "warning"), palette.bad
+        text, style = (counted(count, "warning"), palette.bad) if count else (FINE, palette.good)
     elif report is not None and report.trying:
         name, place = BY_ID[report.trying].name, list(BY_ID).index(report.trying) + 1
         text = f"trying {name}, {place} of {len(BY_ID)}"
@@ -109,10 +108,10 @@ def _said(row: CheckRow, snapshot: Snapshot, view: WorldCheckView, look: Look) -
 
 
 def _unbroken(text: str, look: Look) -> str:
-    """Return ``text`` with a minus sign, and γ next to its value."""
+    """Return ``text`` with a minus sign, and γ next to its neighbours."""
     if text.startswith("-"):
         text = f"{look.glyphs.minus}{text[1:]}"
-    return text.replace("γ ", f"γ{KEPT_BLANK}")
+    return re.sub("(?<=γ) | (?=γ)", KEPT_BLANK, text)
 
 
 def _is_warned_of(row: CheckRow, view: WorldCheckView) -> bool:

@@ -1,11 +1,11 @@
-"""The playground, which draws snapshots of a run and sends commands."""
+"""The playground, which draws snapshots and sends commands."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import ClassVar, Final, Self
+from typing import ClassVar, Final
 
 from textual import on
 from textual.binding import BindingType
@@ -23,7 +23,7 @@ from rl_tui.live.sessions.session import StoredSession
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.board import Board
-from rl_tui.screen.board.frames import Frames, Settling
+from rl_tui.screen.board.frames import Frames
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import PlayerLink, Wanted
 from rl_tui.screen.dialogs.dialog import Dialog
@@ -36,7 +36,7 @@ from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.pointing import Pointed, Touched
-from rl_tui.screen.kit.row import CAPTION, MICROSCOPE, WORLD, PanelRow
+from rl_tui.screen.kit.row import CAPTION, MICROSCOPE, WORLD
 from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
@@ -51,13 +51,12 @@ from rl_tui.screen.playground.actions.agent import AgentActions, WhyActions
 from rl_tui.screen.playground.actions.export import ExportActions
 from rl_tui.screen.playground.actions.kept_back import KeptBack
 from rl_tui.screen.playground.actions.lanes import LaneActions
-from rl_tui.screen.playground.actions.leaving import LEAVING_KEYS, Leaving
 from rl_tui.screen.playground.actions.lesson import LessonActions
 from rl_tui.screen.playground.actions.menus import MenuActions
 from rl_tui.screen.playground.actions.opened_panels import MicroscopeActions, PolicyActions, SeedActions
 from rl_tui.screen.playground.actions.program import ProgramActions
 from rl_tui.screen.playground.actions.run import RunActions, ScenarioActions
-from rl_tui.screen.playground.actions.session import SessionActions
+from rl_tui.screen.playground.actions.session import LEAVING_KEYS, Leaving, SessionActions
 from rl_tui.screen.playground.actions.time import TimeActions
 from rl_tui.screen.playground.actions.until import UntilActions
 from rl_tui.screen.playground.actions.view import ViewActions
@@ -75,9 +74,9 @@ _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
 class Playground(ActionScreen):
     """The screen of one run.
 
-    The actions are methods of the objects made in the constructor, one per subject. All state besides the
-    newest snapshot is in ``wanted``. With ``watches`` the run starts automatically. ``so_far`` are the first
-    panels. With ``is_gradual`` others appear as they get a meaning.
+    Actions are methods of one object per subject. All state besides the newest snapshot is in ``wanted``.
+    With ``watches`` the run starts automatically. ``so_far``: first panels. With ``is_gradual`` others appear
+    as they get a meaning.
     """
 
     CSS_PATH = "playground.tcss"
@@ -97,21 +96,21 @@ class Playground(ActionScreen):
 
     @dataclass
     class NeighbourWanted(Message):
-        """The user wants the scenario ``offset`` places further in the list."""
+        """The user wants the scenario ``offset`` places further."""
 
         recipe: Recipe
         offset: int
 
     @dataclass
     class Reopened(Message):
-        """The user wants a run of another scenario at the same speed."""
+        """The user wants another scenario at the same speed."""
 
         recipe: Recipe
         speed: float | None
 
     @dataclass
     class SetupWanted(Message):
-        """The learner turns to a lesson page whose run has another setup."""
+        """The learner turns to a page with another setup."""
 
         record: LessonRecord
 
@@ -122,7 +121,6 @@ class Playground(ActionScreen):
         player: Player,
         fps: float,
         speed: float | None,
-        panels: Sequence[PanelRow],
         autosave: Autosave | None,
         resumed: StoredSession | None,
         lesson: LessonRecord | None,
@@ -134,13 +132,13 @@ class Playground(ActionScreen):
         is_gradual: bool,
         is_big: bool,
     ) -> None:
-        super().__init__(look, panels)
+        super().__init__(look)
         self.legends = legends
         self.player = player
         self.wanted = Wanted(recipe, speed, lesson)
         self.status = StatusLine(look, id="status")
         self.status.title = recipe.scenario.title if lesson is None else lesson.lesson.title
-        self.board = Board(look, self.wanted, self.legends, shape, panels)
+        self.board = Board(look, self.wanted, self.legends, shape)
         self.board.caption.title = self.status.title
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
@@ -176,19 +174,9 @@ class Playground(ActionScreen):
         self._moment: object = None
         self.leaving = Leaving(*of, self.session, self.modes, lambda: self.lesson.is_over, self._leave)
         self._watches, self._is_big = watches, is_big
-        self.frames = Frames(self, fps)
-        named, painted = self.session.named, self.frames.painted
-        self._settling = Settling(self.link, self.board, self.view.look_at, named, painted)
+        self.frames = Frames(self, fps, self.link, self.board, self.session.named)
         needing_world = (action for action in self.known_actions if action.needs_world)
         self.early_keys = EarlyKeys(key for action in needing_world for key in action.keys)
-
-    @classmethod
-    def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
-        """Return a class with the keys of ``panels``: Textual binds keys per class."""
-        if panels is PANELS:
-            return cls
-        keys = bindings_of(actions_of(cls.place, panels))
-        return type(cls.__name__, (cls,), {"BINDINGS": keys, "__module__": cls.__module__})
 
     @property
     def snapshot(self) -> Snapshot | None:
@@ -196,7 +184,7 @@ class Playground(ActionScreen):
         return self.link.snapshot
 
     def listed(self, menu: str = "") -> tuple[Action, ...]:
-        """Return the available actions, those of a mode first."""
+        """Return the available actions, a mode's first."""
         lesson, program, own = self.wanted.lesson, self.program.program, self.modes.actions
         taken = {key for each in own for key in (each.menu or each.key).split(",")}
         usual = (
@@ -209,7 +197,7 @@ class Playground(ActionScreen):
         return *(replace(each, refused=each.refused or self.why_not(each)) for each in own), *usual
 
     def why_not(self, action: Action) -> str:
-        """Return why ``action`` can do nothing now, or ""."""
+        """Return why ``action`` can do nothing now."""
         target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self, target, None)
         ends_mode = deed == "toggle" and subject is self.modes.current
@@ -221,7 +209,7 @@ class Playground(ActionScreen):
 
     @property
     def settings(self) -> Mapping[str, tuple[Ask, Put]]:
-        """The settings that count for the agent, none for a program."""
+        """The agent's settings, none for a program."""
         if self.program.program is not None:
             return {}
         names = parameters_of(self.recipe.algorithm, self.recipe.hyperparameters.policy)
@@ -230,11 +218,11 @@ class Playground(ActionScreen):
 
     @property
     def recipe(self) -> Recipe:
-        """The recipe that a restart would use."""
+        """The recipe of a restart."""
         return self.wanted.recipe
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave arrows, digits and other keys to the panels unless a mode takes them."""
+        """Leave arrows, digits and others to panels, unless a mode takes them."""
         if action == "do_unfocused":
             return self.focused is None
         if action == "do" and str(parameters[0]).startswith("lesson.") and self.wanted.lesson is None:
@@ -244,7 +232,7 @@ class Playground(ActionScreen):
         return super().check_action(action, parameters)
 
     def action_do(self, command: str) -> None:
-        """Run ``command``, or show why it is not possible."""
+        """Run ``command``, or show why not."""
         action = self._by_command.get(command)
         refused = "" if action is None else self.why_not(action)
         if refused:
@@ -259,29 +247,29 @@ class Playground(ActionScreen):
     action_do_unfocused = action_do  # for moving keys, while no panel has the focus
 
     async def action_old_key(self, id_: str) -> None:
-        """Name the new key of the action ``id_`` once, and run it if possible."""
+        """Name the action's new key once, and run it."""
         action = next((each for each in self.actions if each.id == id_), None)
         if action is None:
             return  # of a lesson, a program, or a file in a kiosk
         if not action.refused and (action.old_only_tells or id_ not in self._told_keys):
             self._told_keys.add(id_)
-            self.tell(f"The key is now {action.shown}: {action.label.rstrip('…')}.")
+            self.refuse(f"{action.label.rstrip('…')}: {action.shown}")
         if action.refused or not action.old_only_tells:
             await self.run_action(action.textual_action)
 
     def action_mode_key(self, key: str) -> None:
-        """Do what ``key`` means in the active mode."""
+        """Press ``key`` in the active mode."""
         if self.modes.current is not self.manual or key == LEAVE or not self.kept_back.refuses_to_act():
             self.modes.press(key)
 
     @on(Touched)
     def tell_mode(self, event: Touched) -> None:
-        """Pass an event of the pointer to the active mode."""
+        """Pass an event to the active mode."""
         self.modes.point(event, self.snapshot)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
-        """Set the number of a slider."""
+        """Set a slider's number."""
         if not self.editing.set_number(event.name, event.value):
             self.agent.set_parameter(event.name, event.value)
 
@@ -293,7 +281,7 @@ class Playground(ActionScreen):
 
     @on(Slider.Refused)
     def tell_refusal(self, event: Slider.Refused) -> None:
-        """Show why a typed value is not valid."""
+        """Show why a value is not valid."""
         self.tell(event.reason, severity="warning")
 
     @on(Slider.Released)
@@ -307,7 +295,7 @@ class Playground(ActionScreen):
     @on(Board.Toggled)
     @on(LessonPanel.Offered)
     def show_key_hints(self) -> None:
-        """Show the current keys on the key line."""
+        """Show the current keys."""
         snapshot = self.snapshot
         if snapshot is not None:
             self.modes.show(snapshot)
@@ -332,29 +320,29 @@ class Playground(ActionScreen):
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
-        """Ask for flip points if the slider of γ has the focus."""
+        """Ask for flip points if γ's slider has the focus."""
         self.view.follow_flips()
 
     @on(PolicyChosen)
     def study(self, event: PolicyChosen) -> None:
-        """Show the policy that was clicked."""
+        """Show the clicked policy."""
         self.policies.study(event.kind)
 
     @on(TimelineBar.Sought)
     @on(FindingsPanel.StepWanted)
     def seek(self, event: TimelineBar.Sought | FindingsPanel.StepWanted) -> None:
-        """Go to the step chosen on the timeline or in a finding."""
+        """Go to the chosen step."""
         self.time.seek(event.step)
 
     @on(QTable.CursorMoved)
     @on(Pointed)
     def follow_cursor(self, event: QTable.CursorMoved | Pointed) -> None:
-        """Show the cell under the cursor in the microscope."""
+        """Show the cursor's cell in the microscope."""
         if isinstance(event, QTable.CursorMoved) or event.panel is self.board.world:
             self.microscope.follow_cursor(of_world=isinstance(event, Pointed))
 
     def content(self) -> Iterable[Widget]:
-        """Yield the status line and the board."""
+        """Yield status line and board."""
         yield from (self.status, self.board)
 
     def _go_by(self, offset: int) -> None:
@@ -367,7 +355,7 @@ class Playground(ActionScreen):
         self.post_message(self.Reopened(recipe, self.wanted.speed))
 
     def on_mount(self) -> None:
-        """Start to draw snapshots after the first paint."""
+        """Draw snapshots after the first paint."""
         self.show_key_hints()
         self.call_after_refresh(self._start_to_follow)
         self.set_interval(_CHECKS_ENVIRONMENT, self._show_unanswered)
@@ -382,7 +370,7 @@ class Playground(ActionScreen):
     def on_unmount(self) -> None:
         """End the player's thread without waiting for it."""
         self.player.close()
-        self._settling.end()
+        self.frames.end()
 
     def send(self, command: Command) -> None:
         """Send ``command``. Its result is drawn without waiting for the next frame."""
@@ -399,11 +387,11 @@ class Playground(ActionScreen):
 
     async def _follow(self) -> None:
         try:
-            await self.frames.follow(self.player.snapshots(), self._draw, self._settling.note_frame)
+            await self.frames.follow(self._draw)
         except UserError as fault:
             self.post_message(self.Left(self.recipe, self.session.named(fault)))
         finally:
-            self._settling.end()
+            self.frames.end()
 
     def _draw(self, snapshot: Snapshot) -> None:
         before = self.snapshot
@@ -458,22 +446,22 @@ class Playground(ActionScreen):
                     dialog.show(snapshot)
 
     def on_scrolled(self) -> None:
-        """Ask for a copy of the parts of a large world in view."""
+        """Ask for the visible parts of a large world."""
         self.view.look_at()
 
     async def settled(self) -> None:
-        """Wait until everything asked for is done and on screen, including exact values."""
-        await self._settling.settled()
+        """Wait until everything asked for is on screen, with exact values."""
+        await self.frames.settled()
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The order of the tab key: the panels in view."""
+        """The panels in view, in tab order."""
         panels = [panel.id for panel in self.board.children]
         seen = [each for each in super().focus_chain if self.board.shows(self.board.panel_of(each))]
         return sorted(seen, key=lambda widget: panels.index(self.board.panel_of(widget)))
 
     def on_key(self, event: Key) -> None:
-        """Hold early keys that need a world, and reset the question before leaving."""
+        """Hold early keys that need a world, and reset the question."""
         if self.early_keys.take(event):
             event.stop()
         if event.key not in LEAVING_KEYS:
@@ -485,7 +473,7 @@ class Playground(ActionScreen):
 
     def help_screen(self) -> HelpScreen:
         """Return the help pages."""
-        panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
+        panels = self.lesson.rows(tuple(self.program.in_order_of_help(PANELS)))
         notes = self.kept_back.notes or self.recipe.scenario.notes
         return HelpScreen(self.look, panels, notes)
 

@@ -25,6 +25,8 @@ from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.terminal.output import SYNC_END
 from rl_tui.screen.terminal.writer import TerminalWriter
 
+assert sys.platform != "win32"  # for mypy, which skips the rest there
+
 LONGEST_FAREWELL: Final = 3.0  # seconds
 MOST_WAITING: Final = 1_000  # keys and other input in the queue of the app
 _LAST_WORDS: Final = 0.5  # seconds to put the terminal in order at the end
@@ -39,7 +41,7 @@ _AT_ONCE: Final = 4096  # bytes read
 
 
 class TerminalDriver(LinuxDriver):
-    """Textual's driver for Unix, extended for slow, stopped and lost terminals.
+    """Textual's driver for Unix, for slow, stopped and lost terminals too.
 
     ``write`` never waits. If the terminal is gone, the app gets ``Lost``, and the process ends seconds later
     at the latest.
@@ -80,7 +82,7 @@ class TerminalDriver(LinuxDriver):
 
     @property
     def waiting(self) -> int:
-        """Bytes that the system has not taken yet."""
+        """The bytes not taken yet."""
         return self._output.waiting
 
     # Start and end
@@ -94,7 +96,7 @@ class TerminalDriver(LinuxDriver):
             self._writer_thread = None
 
     def stop_application_mode(self) -> None:
-        """Restore the terminal, and drop pictures still waiting."""
+        """Restore the terminal, and drop waiting pictures."""
         self._output.forget()
         if isinstance(self._app, LinkedApp) and self._app.synchronises:
             self.write(SYNC_END)  # the dropped bytes may hold the end of a synchronised frame
@@ -141,7 +143,7 @@ class TerminalDriver(LinuxDriver):
             super().process_message(message)
 
     def send_message(self, message: Message) -> None:
-        """Queue ``message`` for the app, from the reader thread."""
+        """Queue ``message``, from the reader thread."""
         self._sent += 1
         self._soon(self._arrive, message)  # Textual would make a task of some kilobytes for each
 
@@ -174,7 +176,7 @@ class TerminalDriver(LinuxDriver):
 
     @property
     def can_suspend(self) -> bool:
-        """True if a shell can resume the program after ctrl+z."""
+        """True if a shell can resume after ctrl+z."""
         with suppress(OSError):
             parent = os.getppid()  # 0 if it is in another container
             return self._may_stop and parent > 0 and os.getsid(parent) == os.getsid(0)
@@ -256,7 +258,7 @@ def _stop_group() -> None:
 
 
 def messages_from(fileno: int, ended: Event, *, debug: bool = False) -> Iterator[Message]:
-    """Yield the messages of the terminal until ``ended`` is set.
+    """Yield the terminal's messages until ``ended`` is set.
 
     Raises:
         EOFError, OSError: The terminal is gone.

@@ -28,9 +28,9 @@ def _nothing() -> None:
 
 
 def end_at_last(status: int, give_back: Callable[[], object] = _nothing) -> None:
-    """End the process with ``status`` after some seconds, even if it hangs.
+    """End the process after some seconds, even if it hangs.
 
-    ``give_back`` is called right before, from another thread.
+    Another thread calls ``give_back`` right before.
     """
 
     def leave() -> None:
@@ -45,7 +45,7 @@ def end_at_last(status: int, give_back: Callable[[], object] = _nothing) -> None
 
 
 def end_with(app: App[Any], fault: Exception) -> None:
-    """Make ``app`` fail with ``fault``, from any thread."""
+    """Make ``app`` fail, from any thread."""
 
     def fail() -> None:
         raise fault
@@ -54,7 +54,7 @@ def end_with(app: App[Any], fault: Exception) -> None:
 
 
 def end_on_signal(end: Callable[[int], None], give_back: Callable[[], object] = _nothing) -> None:
-    """Make the running event loop call ``end`` with the exit status when a signal ends the program.
+    """Make the event loop call ``end`` with the exit status when a signal ends the program.
 
     The process ends some seconds later in any case, after ``give_back`` from another thread. Ignored signals
     (nohup) stay ignored.
@@ -76,7 +76,7 @@ def end_on_signal(end: Callable[[int], None], give_back: Callable[[], object] = 
 
 
 def on_signals(names: Iterable[str], do: Callable[[int], object]) -> None:
-    """Make the event loop call ``do`` with each of these signals, if not ignored."""
+    """Make the event loop call ``do`` with these signals, if not ignored."""
     loop = asyncio.get_running_loop()
     for name in names:
         number = getattr(signal, name, None)
@@ -86,7 +86,7 @@ def on_signals(names: Iterable[str], do: Callable[[int], object]) -> None:
 
 
 def hear(number: int, do: Callable[[int], object]) -> None:
-    """Call ``do`` in a thread with the ``number`` of a signal whenever it comes, in order.
+    """Call ``do`` in a thread with the signal's ``number`` whenever it comes, in order.
 
     The signal also needs a Python handler.
 
@@ -108,6 +108,8 @@ class _Ears:
         self._pipe: tuple[int, int] | None = None
 
     def listen(self) -> None:
+        if sys.platform == "win32":
+            return
         if self._pipe is None:
             reading, writing = os.pipe()
             os.set_blocking(writing, False)

@@ -15,7 +15,6 @@ from itertools import takewhile
 from typing import Any, Final
 
 from textual.app import App, ScreenStackError
-from textual.command import CommandPalette
 from textual.dom import DOMNode
 from textual.events import Event, Key, Paste
 from textual.message import Message
@@ -27,7 +26,7 @@ _LOOK_AGAIN: Final = 0.1  # seconds: removed widgets do not answer
 
 
 class EscapeOrAlt(Key):
-    """Escape and the key ``typed``, or a key with alt, for which terminals send the same."""
+    """Escape and a key, or a key with alt: terminals send the same."""
 
     def __init__(self, name: str, typed: Key) -> None:
         super().__init__(name, None)
@@ -35,7 +34,7 @@ class EscapeOrAlt(Key):
 
 
 class TypeFirst(Message):
-    """A message that asks the app to type ``keys`` before all that wait."""
+    """A request to type ``keys`` first."""
 
     def __init__(self, keys: Callable[[], Sequence[Key]]) -> None:
         super().__init__()
@@ -43,7 +42,7 @@ class TypeFirst(Message):
 
 
 class KeyQueue:
-    """A queue that gives keys and pastes of ``app`` to Textual's ``handle`` one at a time.
+    """Gives keys and pastes to Textual's ``handle`` one at a time.
 
     Up to ``most`` are held meanwhile, then ``tell_of_loss`` is called once. A key of ``stops`` discards a
     flood before it.
@@ -74,7 +73,7 @@ class KeyQueue:
         await self._has_rest.wait()
 
     async def take(self, event: Event) -> None:
-        """Handle ``event`` when all earlier keys are done."""
+        """Handle ``event`` after all earlier keys."""
         if self._settling is None:
             await self._type(event)
             return
@@ -88,7 +87,7 @@ class KeyQueue:
             tell()
 
     def take_first(self, keys: Callable[[], Sequence[Key]]) -> None:
-        """Handle a :class:`TypeFirst` message."""
+        """Type a message's keys first."""
         self._first.append(keys)
         if self._settling is None:
             self._has_rest.clear()
@@ -118,7 +117,6 @@ class KeyQueue:
         self._settling = asyncio.create_task(self._settle(aim), name="key-queue")
 
     def _first_of(self, event: EscapeOrAlt) -> Key:
-        """Return the key with alt if it has a binding, else escape."""
         if event.key in self._app.active_bindings:
             return Key(event.key, event.character)
         self._hold([event.typed])
@@ -143,14 +141,12 @@ class KeyQueue:
         await self._type(event)
 
     async def _follow_focus(self) -> None:
-        """Wait for messages of the key's action, and for a new screen."""
         before = None
         while (now := self._in_focus()) is not before:
             before = now
             await self._pass_through(now)
 
     async def _pass_through(self, node: DOMNode) -> None:
-        """Wait until ``node`` and its ancestors have handled all messages so far."""
         for each in node.ancestors_with_self:
             is_done = asyncio.Event()
             is_sent = each.call_later(is_done.set)
@@ -160,9 +156,9 @@ class KeyQueue:
                         await is_done.wait()
 
     async def _find_entries(self) -> None:
-        """Wait until a search is complete, because enter opens the best match."""
+        """Wait for a search, because enter opens the best match."""
         screen = self._app.screen
-        if isinstance(screen, CommandPalette) or getattr(screen, "is_searching", False):
+        if getattr(screen, "is_searching", False):
             looking = [worker.wait() for worker in self._app.workers if worker.node is screen]
             await asyncio.gather(*looking, return_exceptions=True)
             await self._pass_through(self._in_focus())
@@ -183,7 +179,7 @@ _MOST: Final = 100  # keys: more than a person types ahead
 
 
 class EarlyKeys:
-    """Keys held from the first one in ``waiting`` on, until they are released."""
+    """Keys held from the first one in ``waiting`` on."""
 
     def __init__(self, waiting: Iterable[str]) -> None:
         self._waiting = frozenset(waiting)
@@ -191,11 +187,11 @@ class EarlyKeys:
         self._is_released = self._is_over = False
 
     def add(self, key: str) -> None:
-        """Hold ``key`` as if it had been typed."""
+        """Hold ``key`` as if typed."""
         self._held.append(Key(key, None))
 
     def take(self, event: Key) -> bool:
-        """Return True if ``event`` has to wait, and hold it. Escape ends the waiting."""
+        """Hold ``event`` and return True if it has to wait. Escape ends the waiting."""
         if event.key == "escape" or event.key.startswith("ctrl+"):
             self._held.clear()
             return False
@@ -206,7 +202,7 @@ class EarlyKeys:
         return True
 
     def release(self, app: App[Any]) -> None:
-        """Type the held keys in ``app``, before those already on their way."""
+        """Type the held keys before later ones."""
         if not self._is_released:
             self._is_released = True
             app.post_message(TypeFirst(self._end))

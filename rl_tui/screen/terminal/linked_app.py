@@ -1,4 +1,4 @@
-"""An app that sends only differences, and only as fast as they arrive."""
+"""An app that sends only differences, as fast as they arrive."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from textual.timer import Timer
 
 from rl_tui.common.limits import LARGEST_SCREEN
 from rl_tui.screen.terminal.output import Output
+from rl_tui.screen.terminal.screen_buffer import ScreenBuffer
 
 _ARRANGING: Final = 0.1  # seconds after a change of size until the panels are arranged
 ReturnType = TypeVar("ReturnType")
@@ -74,9 +75,13 @@ class LinkedApp(App[ReturnType]):
         timer._skip = False
         return timer
 
+    def start_timer(self, seconds: float, callback: Callable[[], object], *, repeats: bool) -> Timer:
+        """Call ``callback`` after, or every, ``seconds`` on screen."""
+        return self.set_interval(seconds, callback) if repeats else self.set_timer(seconds, callback)
+
     @property
     def size(self) -> Size:
-        """Columns and lines that are drawn."""
+        """The drawn columns and lines."""
         return _bounded(super().size)
 
     @property
@@ -90,12 +95,12 @@ class LinkedApp(App[ReturnType]):
         return self._output is None or self._output.keeps_up
 
     async def painted(self) -> None:
-        """Wait for the first drawing on a terminal, after which slow work starts."""
+        """Wait for the first drawing; slow work starts then."""
         if self._draws and not self.is_headless and not self.is_inline:
             await self._painted.wait()
 
     async def arrived(self) -> None:
-        """Wait until the terminal shows everything drawn so far."""
+        """Wait until the terminal shows everything."""
         if self._output is not None:
             await self._output.arrived()
 
@@ -111,18 +116,18 @@ class LinkedApp(App[ReturnType]):
         return driver is not None and suspend is not None and driver.can_suspend and bool(await suspend())
 
     def give_back_terminal(self) -> None:
-        """Restore the terminal right before the process ends, from any thread."""
+        """Restore the terminal before the process ends, from any thread."""
         give_back = getattr(self._terminal, "give_back", None)
         if give_back is not None:
             give_back()
 
     def action_redraw(self) -> None:
-        """Draw everything again, because another program may have written over it."""
+        """Draw everything again: another program may have written over it."""
         if self._output is not None:
             self._output.draw_again()
 
     def on_resize(self, event: events.Resize) -> None:
-        """Draw everything again after a resize or a pause."""
+        """Draw everything again."""
         if self._output is not None:
             self._output.resize(*event.size)
             self._tell_of_rest(self._output)
@@ -131,7 +136,7 @@ class LinkedApp(App[ReturnType]):
             self._arranging = self.set_timer(_ARRANGING, self._output.wake)
 
     def on_terminal_supports_synchronized_output(self) -> None:
-        """Use synchronised output from now on."""
+        """Use synchronised output."""
         self.synchronises = True
 
     def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
@@ -180,8 +185,7 @@ class LinkedApp(App[ReturnType]):
         output.synchronises = self.synchronises
         output.cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
         if isinstance(update, _Lines):
-            for y, strips in enumerate(update.strips, update.region.y):
-                buffer.put(update.region.x, y, (segment for strip in strips for segment in strip))
+            _put_lines(update, buffer)
         else:
             for y, start, end in update.spans:
                 # like Textual: pieces that start in the span, cut at its end
@@ -192,8 +196,14 @@ class LinkedApp(App[ReturnType]):
         output.send()
         self._painted.set()
 
+    def put_on(self, buffer: ScreenBuffer) -> None:
+        """Draw the screen and those below it."""
+        update = self.screen._compositor.render_update(full=True, screen_stack=self._background_screens)
+        if isinstance(update, _Lines):
+            _put_lines(update, buffer)
+
     def post_message(self, message: Message) -> bool:
-        """Queue ``message``, unless it is an answer of the terminal."""
+        """Queue ``message``, unless it is the terminal's answer."""
         if isinstance(message, events.Resize):
             self._claimed = message.size
             if (size := _bounded(message.size)) != message.size:
@@ -215,20 +225,29 @@ class LinkedApp(App[ReturnType]):
                 await self._output.rest()
 
 
+def _put_lines(update: _Lines, buffer: ScreenBuffer) -> None:
+    for y, strips in enumerate(update.strips, update.region.y):
+        buffer.put(update.region.x, y, (segment for strip in strips for segment in strip))
+
+
 def _bounded(size: Size) -> Size:
     return Size(*map(min, size, LARGEST_SCREEN))
 
 
 def _lines_of_dialog(screen: Screen[object]) -> range:
-    """Return the lines of a dialog's box, or none for a full screen."""
     if not screen.is_modal:
         return range(0)
     box = Region.from_union([child.region for child in screen.children] or [Region()])
     return range(box.y, box.bottom)
 
 
+def is_open(screen: Screen[Any]) -> bool:
+    """Return True while ``screen`` is in use: neither closed nor about to lose its widgets."""
+    return screen.is_attached and screen.app.is_running and screen in screen.app.screen_stack
+
+
 def forget_left_screens(_: object) -> None:
-    """Free the cached lines of removed widgets, whenever another screen is in front.
+    """Free the cached lines of removed widgets.
 
     Textual's cache would keep a third of a megabyte per opened dialog (Textualize/textual #6665).
     """

@@ -1,4 +1,4 @@
-"""The roles of a palette: styles, ramps of the heat maps, readable inks."""
+"""The roles of a palette."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NO_LEAD, _SOME_LEAD, _CLEAR_LEAD = Style(dim=True), Style(bold=False), Style(bo
 
 
 def contrast(one: Color, other: Color) -> float:
-    """Return the contrast ratio of two colours by WCAG 2.2, from 1 to 21."""
+    """Return the contrast ratio by WCAG 2.2, from 1 to 21."""
     low, high = sorted((_luminance(one.get_truecolor()), _luminance(other.get_truecolor())))
     return (high + 0.05) / (low + 0.05)
 
@@ -45,7 +45,7 @@ def _with_ink(text: str, inks: Sequence[str]) -> Style:
 
 @lru_cache(4_096)
 def paled(style: Style, share: float) -> Style:
-    """Return ``style`` with an ink that keeps ``share`` (0 to 1) of its contrast above 3."""
+    """Keep ``share`` (0 to 1) of the ink's contrast above 3."""
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None:
         return style + (_NO_LEAD if share < _SLIGHT else _SOME_LEAD if share < 2 * _SLIGHT else _CLEAR_LEAD)
@@ -62,7 +62,7 @@ def paled(style: Style, share: float) -> Style:
 
 @lru_cache(4_096)
 def faded(style: Style, share: float) -> Style:
-    """Return ``style`` with ``share`` (0 to 1) of its ink and the rest of its ground, if possible."""
+    """Mix ``share`` (0 to 1) of the ink with its ground."""
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None or ink.type not in _MIXABLE:
         return style
@@ -119,7 +119,7 @@ class Palette:
 
     @property
     def tells_lanes_apart(self) -> bool:
-        """True if the runs have fixed colours that differ for every eye."""
+        """True if fixed colours distinguish the runs for every eye."""
         return all(
             style.color is not None and style.color.type in (ColorType.EIGHT_BIT, ColorType.TRUECOLOR)
             for style in self.lanes
@@ -132,8 +132,13 @@ class Palette:
 
     @property
     def has_shades(self) -> bool:
-        """True if there are paler inks and different colours on a tint."""
+        """True if there are paler inks and colours on tints."""
         return self.tints and self.tells_lanes_apart
+
+    @property
+    def source_line(self) -> Style:
+        """The lines from an estimate's source."""
+        return Style(color=self.source.bgcolor)
 
     def value(self, fraction: float) -> Style:
         """Return the style at ``fraction`` (0 to 1, clamped, NaN as 0) of the values."""
@@ -148,7 +153,7 @@ class Palette:
         return _at(self.signed, 0.5 if math.isnan(fraction) else (fraction + 1.0) / 2.0)
 
     def error(self, sign: int) -> Style:
-        """Return the style of an update's error by its ``sign``."""
+        """Return the style of an error's ``sign``."""
         return self.good if sign > 0 else self.bad if sign < 0 else self.dim
 
 
@@ -179,7 +184,7 @@ def dark_and_light(
 
 
 def styles(*texts: str) -> tuple[Style, ...]:
-    """Return the styles written as ``foreground on background``."""
+    """Parse styles written as ``foreground on background``."""
     return tuple(Style.parse(text) for text in texts)
 
 

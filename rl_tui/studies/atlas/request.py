@@ -1,7 +1,4 @@
-"""The request for a settings map: settings around those of a run. The map varies one or two settings that
-matter most for the algorithm, within 11 columns and 7 rows. The current value is always one of those
-tried.
-"""
+"""The request for a settings map: values around those of a run."""
 
 from __future__ import annotations
 
@@ -37,12 +34,10 @@ _REACH: Final = 5.0  # upper end as a multiple of the current value, for linear 
 
 
 def axes_of(recipe: Recipe, *, is_bandit: bool) -> tuple[Variation, ...]:
-    """Choose the settings that matter most for the algorithm of `recipe`, with the current value among the
-    values of each. Columns have the setting that most algorithms share, such as a step size. Rows have the
-    one that fewest share, which characterizes the algorithm or policy.
+    """Choose columns, and perhaps rows, for the algorithm of `recipe`.
 
-    Returns:
-        Rows and columns, only columns, or nothing.
+    Columns have the setting that most algorithms share, such as a step size, rows the one that fewest share,
+    which characterizes the algorithm or policy.
     """
     values = recipe.hyperparameters
     names = _candidates(recipe.algorithm, values, is_bandit=is_bandit)
@@ -57,9 +52,6 @@ def axes_of(recipe: Recipe, *, is_bandit: bool) -> tuple[Variation, ...]:
 
 
 def _candidates(algorithm: str, values: Hyperparameters, *, is_bandit: bool) -> list[str]:
-    """Return the numbers that decide how `algorithm` learns, in the order of the controls. Settings that
-    planners have too (γ, Q₀) belong to the problem and are excluded.
-    """
     planned = {name for row in BY_ID.values() if row.planner for name in row.parameters}
     return [
         name
@@ -77,9 +69,7 @@ def _spread(name: str) -> int:
 
 
 def _rank(name: str) -> tuple[bool, int, int]:
-    """Return a sort key. Rare parameters of the algorithm come first, then those of the policy, then
-    bounds of accuracy (neither slider nor whole numbers).
-    """
+    """Return a sort key: rare parameters of the algorithm, then of the policy, then bounds of accuracy."""
     parameter = PARAMETERS[name]
     is_bound = parameter.slide is None and not parameter.whole
     return is_bound, _spread(name) or len(BY_ID), list(PARAMETERS).index(name)
@@ -94,16 +84,11 @@ def _variation(name: str, values: Hyperparameters, most: int) -> Variation:
 
 
 def values_around(parameter: Parameter, now: float, usual: float, most: int) -> list[float]:
-    """Choose about `most` ascending values of `parameter` around the current one. A linear slider gives
-    equal distances from its low end to at most five times `now`, a logarithmic one equal ratios around
-    `now`. Without a slider, whole numbers are doubled and halved, others multiplied by ten. From 0 the
-    ratios start at `usual`.
+    """Choose about `most` ascending values of `parameter` around `now`, which is included.
 
-    Args:
-        parameter: The setting.
-        now: Current value, always included.
-        usual: Default value.
-        most: Approximate number of values.
+    A linear slider gives equal distances from its low end to at most five times `now`, a logarithmic one
+    equal ratios. Without a slider, whole numbers are doubled and halved, others multiplied by ten. From 0 the
+    ratios start at `usual`.
     """
     slide = parameter.slide
     if slide is not None and not slide.logarithmic:
@@ -121,7 +106,7 @@ def values_around(parameter: Parameter, now: float, usual: float, most: int) -> 
 
 
 def _even(low: float, high: float, most: int) -> list[float]:
-    """Return numbers from `low` to `high` at equal, round distances, at most `most` of them apart."""
+    """Return numbers from `low` to `high` at equal, round distances, fewer than `most` of them apart."""
     width = high - low
     magnitude = 10.0 ** math.floor(math.log10(width / most))
     step = next(each * magnitude for each in _STEPS if width / (each * magnitude) < most + 1e-9)
@@ -155,13 +140,13 @@ MOST_PAIRS: Final = 20_000
 
 @dataclass(frozen=True)
 class SurroundingsPlan(SweepPlan):
-    """A plan that begins with the current cell and then takes a coarse lattice first."""
+    """A plan that begins with the current cell, then a coarse lattice."""
 
     in_force: int = 0
     """Number of the first cell."""
 
     def order(self, shard: Shard = WHOLE) -> Iterator[int]:
-        """Yield each cell of `shard` once: the current one, then a coarse lattice, then the rest."""
+        """Yield each cell of `shard`, the current one first."""
         coarse = coarse_first([Axis(each.count, spread=True) for each in self.variations])
         every = (self.in_force, *(index for index in coarse if index != self.in_force))
         return (index for place, index in enumerate(every) if place % shard.parts == shard.number - 1)
@@ -169,7 +154,7 @@ class SurroundingsPlan(SweepPlan):
 
 @dataclass(frozen=True)
 class AtlasRequest:
-    """The request for the map around `recipe`: all combinations of `variations`."""
+    """The request for the map around `recipe`."""
 
     recipe: Recipe
     """The run with its current settings. Its seed is the first of each cell."""
@@ -208,7 +193,7 @@ class AtlasRequest:
         return range(self.recipe.seed, self.recipe.seed + self.runs)
 
     def plan(self, episodes: int) -> SurroundingsPlan:
-        """Return the plan of all cells with `episodes` for each run."""
+        """Return the plan of all cells."""
         settings = self.recipe.hyperparameters.as_dict()
         return SurroundingsPlan(
             self.recipe.scenario,
@@ -221,7 +206,7 @@ class AtlasRequest:
         )
 
     def recipe_of(self, index: int, seed: int) -> Recipe:
-        """Return the recipe of cell `index` under `seed`."""
+        """Return the recipe of cell `index`."""
         values = self.recipe.hyperparameters
         for name, value in self.cells.settings(index).items():
             values = changed_parameter(values, name, value)
@@ -229,22 +214,16 @@ class AtlasRequest:
 
 
 def why_unmapped(recipe: Recipe, world: World, *, is_edited: bool) -> str:
-    """Return the reason why there is no map around `recipe` as a clause, or "" if there is one.
-
-    Args:
-        recipe: The run with its current settings.
-        world: World of the run.
-        is_edited: True if the world was edited.
-    """
+    """Return why there is no map around `recipe`, or ""."""
     row = algorithm_row(recipe.algorithm)
     if in_kiosk():
         return "the settings map is not available in a kiosk"
     if row.planner:
-        return f"{row.name} knows the world, so no setting changes its result"
+        return f"{row.name} plans with the model, so no setting changes its result"
     if world.mdp is None:
         return "a simulated environment is too slow for a map; use rl-tui sweep"
     if is_edited:
-        return "the world was edited: save it (w d, then w s), open it, and map that"
+        return "the world was edited: save it (w d, then w s), then open and map the saved file"
     if world.space.pairs > MOST_PAIRS:
         return f"worlds of more than {MOST_PAIRS:,} state–action pairs have no map; use rl-tui sweep"
     is_varied = bool(axes_of(recipe, is_bandit=is_bandit(world.space)))
@@ -252,7 +231,7 @@ def why_unmapped(recipe: Recipe, world: World, *, is_edited: bool) -> str:
 
 
 def surroundings(recipe: Recipe, world: World, *, is_awaited: bool) -> AtlasRequest:
-    """Return the request for a map around `recipe` in `world`, for which `why_unmapped` returned ""."""
+    """Return the request for a map, if `why_unmapped` returned ""."""
     variations = axes_of(recipe, is_bandit=is_bandit(world.space))
     usual = min(episodes_of(recipe.scenario), world.budget or MOST_EPISODES)
     return AtlasRequest(recipe, variations, usual, RUNS, is_awaited)

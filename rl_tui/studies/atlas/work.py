@@ -1,4 +1,4 @@
-"""The work of a settings map: a small sweep that reports its progress."""
+"""The work of a settings map: a small sweep."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Tell = Callable[[Atlas], None]
 
 
 def work(request: AtlasRequest, tell: Callable[[Atlas, float], None]) -> None:
-    """Compute the map for `request`, with the lowest priority once there is a cell to look at."""
+    """Compute the map, with the lowest priority once there is a cell."""
     has_cells = False
 
     def tell_atlas(atlas: Atlas) -> None:
@@ -49,9 +49,7 @@ def work(request: AtlasRequest, tell: Callable[[Atlas, float], None]) -> None:
 
 
 class AtlasWork:
-    """Computes the map for `request`, and calls `tell` with the results so far, at last with all. `clock`
-    returns CPU seconds.
-    """
+    """Computes the map for `request` and calls `tell` with each result. `clock` returns CPU seconds."""
 
     def __init__(
         self, request: AtlasRequest, tell: Tell, clock: Callable[[], float] = time.process_time
@@ -80,7 +78,6 @@ class AtlasWork:
             self._end(plan, store, AtlasState.DONE if is_done else AtlasState.OUT_OF_TIME)
 
     def _episodes(self) -> int:
-        """Return the episodes of each run: the wanted number, or as many as time allows."""
         request = self._request
         corners = (
             request.cells.index(corner)
@@ -91,7 +88,6 @@ class AtlasWork:
         return request.episodes if request.episodes <= there_is_time_for else _round_number(there_is_time_for)
 
     def _steps_an_episode(self, index: int) -> float:
-        """Estimate the steps per episode in cell `index`, at least 1."""
         recipe = self._request.recipe_of(index, self._request.recipe.seed)
         run = Run(recipe, begin(recipe), evaluate=False)
         if was_compiled(run.learner.loop):
@@ -116,18 +112,21 @@ class AtlasWork:
         self._atlas = replace(self._atlas, state=AtlasState.RUNNING, cells=cells)
 
     def _end(self, plan: SweepPlan, store: Store, state: AtlasState) -> None:
-        """Compare the cells after the last run, and report."""
         self._take_in(plan, store)
         self._atlas = replace(
             self._atlas, standings=settled(standings(plan, store), self._atlas.cells, self._request.runs)
         )
-        message = "" if state is AtlasState.DONE else f"{MOST_SECONDS:.0f} s of processor time are used up"
+        message = (
+            ""
+            if state is AtlasState.DONE
+            else f"the limit of {MOST_SECONDS:.0f} s of processor time was reached"
+        )
         self._atlas = replace(self._atlas, state=state, message=message)
         self._tell(self._atlas)
 
 
 def standings(plan: SweepPlan, store: Store) -> dict[str, AtlasStandings]:
-    """Compare the cells of `plan`, all in one world, by each metric with a direction."""
+    """Compare the cells of `plan` by each metric with a direction."""
     found = {}
     for name, measure in MEASURES.items():
         if measure.larger_is_better is None:
@@ -142,9 +141,7 @@ def standings(plan: SweepPlan, store: Store) -> dict[str, AtlasStandings]:
 def settled(
     found: Mapping[str, AtlasStandings], cells: Mapping[int, AtlasCell], runs: int
 ) -> dict[str, AtlasStandings]:
-    """Keep the comparisons in `found` whose best cell is at least as good as each cell with fewer than
-    `runs` runs.
-    """
+    """Keep comparisons whose best cell is at least as good as each cell with fewer than `runs` runs."""
     unfinished = [cell for cell in cells.values() if cell.runs < runs]
     return {
         name: each
@@ -177,6 +174,6 @@ def _impossible(plan: SweepPlan) -> dict[int, str]:
 
 
 def _round_number(number: float) -> int:
-    """Return the largest of 1, 2, 5, 10, 20, … up to `number`, at least 1."""
+    """Return the largest of 1, 2, 5, 10, 20, … up to `number`."""
     digits = len(str(int(max(1.0, number)))) - 1
     return max(int(each * 10**digits) for each in (1, 2, 5) if each == 1 or each * 10**digits <= number)

@@ -1,6 +1,7 @@
-"""Example 6.6: rewards while SARSA and Q-learning learn to walk along the cliff. ε = 0.1, γ = 1, 500
-episodes (Sutton & Barto, 2nd ed., page 132). The book gives no step size. This uses 0.5, as in example
-6.5.
+"""Example 6.6: rewards while SARSA and Q-learning learn to walk along the cliff.
+
+ε = 0.1, γ = 1, 500 episodes (Sutton & Barto, 2nd ed., page 132). The book gives no step size. This uses 0.5,
+as in example 6.5.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def _table(made: dict[str, dict[str, Any]]) -> tuple[BookComparison, ...]:
         read_off("rewards, last 100 episodes, SARSA", -25, 5, *mean_and_error(last["sarsa"])),
         read_off("rewards, last 100 episodes, Q-learning", -50, 5, *mean_and_error(last["q-learning"])),
         BookComparison(
-            "by how much SARSA earns more, seed by seed",
+            "how much more SARSA earns, seed by seed",
             "it does",
             "text, example 6.6",
             0.0,
@@ -65,7 +66,7 @@ def _table(made: dict[str, dict[str, Any]]) -> tuple[BookComparison, ...]:
 
 def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[BookComparison], runs: int) -> Picture:
     return Picture(
-        title="Cliff walking: what is earned while learning",
+        title="Cliff walking: rewards during learning",
         summary=summary_of_comparisons(
             f"One chart over {EPISODES} episodes, with a curve for SARSA and one for Q-learning.",
             table,

@@ -1,5 +1,6 @@
-"""Figure 8.2: steps per episode of Dyna-Q in the maze of example 8.1, by the number of planning steps. γ =
-0.95, α = 0.1, ε = 0.1, 50 episodes (Sutton & Barto, 2nd ed., pages 164 and 165).
+"""Figure 8.2: steps per episode of Dyna-Q in the maze of example 8.1, by the number of planning steps.
+
+γ = 0.95, α = 0.1, ε = 0.1, 50 episodes (Sutton & Barto, 2nd ed., pages 164 and 165).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _TEXT: Final = "text, example 8.1"
 
 
 def measure(measuring: Measuring, runs: int) -> MeasuredFigure:
-    """Train `runs` times for each number of planning steps, with the same seeds."""
+    """Train `runs` times for each number of planning steps."""
     measuring.expect(len(BOOK) * runs * EPISODES)
     made = {
         planning: measuring.train(
@@ -111,15 +112,13 @@ def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[BookComparison],
 
 
 def _notes() -> tuple[str, ...]:
-    """Explain why the first episode differs from the book."""
     return (
-        "Until the goal is found, nothing is learned: the first episode is a random walk, of "
-        f"exactly {steps_of_a_random_walk():.1f} steps on average in this maze. The book's about 1700 are "
-        "far from that.",
+        "Nothing is learned before the goal is found, so the first episode is a random walk, of "
+        f"exactly {steps_of_a_random_walk():.1f} steps on average in this maze. The book says about 1700.",
     )
 
 
 def steps_of_a_random_walk() -> float | None:
-    """Compute the expected steps to the goal under the random policy, exactly."""
+    """Compute the expected steps to the goal under the random policy."""
     mdp = begin(recipe_of("maze")).world.mdp
     return None if mdp is None else figures(mdp, uniform_policy(mdp), 1.0).steps

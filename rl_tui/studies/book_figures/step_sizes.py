@@ -1,6 +1,7 @@
-"""Figure 6.3: three TD control methods on the cliff, soon and in the long run, by their step size. Interim
-performance is the mean return of the first 100 episodes, asymptotic performance of 100,000, with ε = 0.1
-and γ = 1 (Sutton & Barto, 2nd ed., page 133; H. van Seijen, H. van Hasselt, S. Whiteson, M. Wiering: A
+"""Figure 6.3: three TD control methods on the cliff, soon and in the long run, by their step size.
+
+Interim performance is the mean return of the first 100 episodes, asymptotic performance of 100,000, with ε =
+0.1 and γ = 1 (Sutton & Barto, 2nd ed., page 133; H. van Seijen, H. van Hasselt, S. Whiteson, M. Wiering: A
 Theoretical and Empirical Analysis of Expected Sarsa, ADPRL 2009).
 """
 
@@ -34,14 +35,7 @@ def measure(
     step_sizes: Sequence[float] = STEP_SIZES,
     episodes: int = ASYMPTOTIC,
 ) -> MeasuredFigure:
-    """Train for interim performance, and at most ten times for asymptotic performance.
-
-    Args:
-        measuring: Trains the runs.
-        runs: Runs for interim performance.
-        step_sizes: Ascending values of α.
-        episodes: Episodes for asymptotic performance.
-    """
+    """Train for interim and, at most ten times over `episodes`, for asymptotic performance."""
     long_runs = min(runs, ASYMPTOTIC_RUNS)
     cells = [(algorithm, step_size) for algorithm in NAMES for step_size in step_sizes]
     measuring.expect(len(cells) * (runs * INTERIM + long_runs * episodes))
@@ -83,7 +77,7 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Boo
         read_off(f"asymptotic, Q-learning, α = {last:g}", -50, 5, *mean_and_error(late["q-learning", last])),
         read_off(f"asymptotic, SARSA, α = {first:g}", -23, 4, *mean_and_error(late["sarsa", first])),
         BookComparison(
-            f"asymptotic, {expected}: α = {last:g} less α = {first:g}",
+            f"asymptotic, {expected}: α = {last:g} minus α = {first:g}",
             "no degradation",
             text,
             0.0,
@@ -91,7 +85,7 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Boo
             *mean_and_error(late["expected-sarsa", last] - late["expected-sarsa", first]),
         ),
         BookComparison(
-            f"asymptotic, SARSA: α = {last:g} less α = {first:g}",
+            f"asymptotic, SARSA: α = {last:g} minus α = {first:g}",
             "degrades",
             text,
             -float("inf"),
@@ -100,7 +94,7 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Boo
         ),
         *(
             BookComparison(
-                f"interim, {expected} less {NAMES[other]}, each at its best α",
+                f"interim, {expected} minus {NAMES[other]}, each with its best α",
                 "better",
                 text,
                 0.0,
@@ -113,7 +107,6 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Boo
 
 
 def _best(returns: Returns, algorithm: str) -> FloatArray:
-    """Return the runs of the step size with the largest mean."""
     return max(
         (values for (name, _), values in returns.items() if name == algorithm), key=lambda each: each.mean()
     )
@@ -121,9 +114,9 @@ def _best(returns: Returns, algorithm: str) -> FloatArray:
 
 def _picture(curves: Sequence[MeasuredCurve], table: Sequence[BookComparison], note: str) -> Picture:
     return Picture(
-        title="Cliff walking: TD control by step size, soon and in the long run",
+        title="Cliff walking: TD control by step size, early and in the long run",
         summary=summary_of_comparisons(
-            "One chart over the step size α, with two curves for each of three methods: the mean return of "
+            "One chart over the step size α. Each of three methods has two curves: the mean return of "
             "an episode among the first 100, and in the long run.",
             table,
         ),

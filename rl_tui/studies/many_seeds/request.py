@@ -1,6 +1,4 @@
-"""The request for a study of many seeds, and the process that computes it. There is at most one study at a
-time, with the lowest priority.
-"""
+"""The request for a study of many seeds, and its process."""
 
 from __future__ import annotations
 
@@ -49,7 +47,7 @@ class StudiedRun:
 
     @property
     def plans(self) -> bool:
-        """True if one of them is a planner, whose sweeps have no returns."""
+        """True if one of them is a planner."""
         return any(BY_ID[algorithm].planner for algorithm in self.algorithms)
 
     @property
@@ -64,7 +62,6 @@ class StudyRequest:
     """The request for a study."""
 
     lanes: tuple[StudiedRun, ...]
-    """The visible runs."""
     shown: int
     """Index of the visible run."""
     episodes: int | None
@@ -92,26 +89,19 @@ class StudyRequest:
 
 
 def studied_runs(group: RunGroup) -> tuple[StudiedRun, ...]:
-    """Return the runs of `group` with all changes on the current branch, including later ones."""
+    """Return the runs of `group` with all changes on the branch, even later ones."""
     return tuple(
         StudiedRun(record.recipe, record.branches[record.branch].journal) for record in group.records()
     )
 
 
 def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
-    """Return the request for the runs of `group`, with only the first block if it `is_awaited`. Actions of
-    the user are left out.
-
-    Raises:
-        UserError: A study is impossible for these runs.
-    """
+    """Return the request for the runs of `group`, without actions of the user. Raises UserError."""
     if in_kiosk():
         raise UserError("many seeds are not available in a kiosk")
     lanes = studied_runs(group)
     if not any(lane.is_by_luck for lane in lanes):
-        raise UserError(
-            "a planner knows the world, so every seed has the same result; choose an algorithm that learns"
-        )
+        raise UserError("a planner has the same result for every seed; choose an algorithm that learns")
     if len({lane.recipe.seed for lane in lanes}) > 1:
         raise UserError("the runs have different seeds; c e ends the one you control")
     run = group.built_in.run
@@ -120,10 +110,10 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
     episodes, steps, note = _length(group, lanes)
     notes = [note] if note else []
     if any(isinstance(entry.change, TakeAction) for lane in lanes for entry in lane.journal):
-        notes.append("steps taken by a person are left out")
+        notes.append("steps that you took yourself are left out")
     most = MOST_SEEDS if run.learner.rewindable and not is_awaited else FIRST_BLOCK
     if not run.learner.rewindable:
-        notes.append(f"a simulated environment has {FIRST_BLOCK} seeds")
+        notes.append(f"a simulated environment gets only {FIRST_BLOCK} seeds")
     return StudyRequest(
         lanes=tuple(map(_settings_only, lanes)),
         shown=group.shown,
@@ -136,19 +126,16 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
 
 
 def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None, int | None, str]:
-    """Return the episodes or else steps of each seed, and a note. Steps end a seed after a change at some
-    step, which other seeds may not reach in as many episodes. They also do for a planner, whose sweeps are
-    not episodes.
-    """
+    """Return the episodes (or steps, for planners and after later changes) of each seed, and a note."""
     runs, world = group.runs, group.current.run.world
     step = max(run.step for run in runs)
     plans = any(lane.plans for lane in lanes)
     is_changed = any(0 < entry.step <= step for lane in lanes for entry in _settings_only(lane).journal)
     # each pull of a bandit is an episode
     if step and (plans or (is_changed and not isinstance(world.drawing, Arms))):
-        why = "a planner's backups are steps, not episodes" if plans else f"{_changed(lanes)} on the way"
+        why = "a planner's backups are steps, not episodes" if plans else f"{_changed(lanes)} during the run"
         steps = min(step, MOST_STEPS)
-        further = ", though this run is further" if step > steps else ""
+        further = ", although this run has more" if step > steps else ""
         return None, steps, f"{why}: each seed ends after {counted(steps, 'step')}{further}"
     usual = min(episodes_of(lanes[group.shown].recipe.scenario), world.budget or MOST_EPISODES)
     finished = min(run.learner.episodes for run in runs)
@@ -178,8 +165,9 @@ WORK: Final = "rl_tui.studies.many_seeds.study:work"
 
 
 class SeedStudies:
-    """Computes studies in a background process. `on_news` is called from any thread when there is news.
-    With `automatic` off, `begin` waits for a study of one block, so that results do not depend on timing.
+    """Computes one study at a time in a background process.
+
+    `on_news` is called from any thread. Without `automatic`, `begin` waits for one block.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -189,9 +177,7 @@ class SeedStudies:
         self._lanes: tuple[StudiedRun, ...] = ()
 
     def begin(self, group: RunGroup) -> None:
-        """Begin a study of the current runs in `group`, replacing any other. If it is impossible, the
-        study has the reason.
-        """
+        """Begin a study of the current runs, replacing any other."""
         self.end()
         self._lanes = studied_runs(group)
         try:
@@ -217,7 +203,7 @@ class SeedStudies:
         self._background.close()
 
     def study_of(self, group: RunGroup) -> SeedStudy | None:
-        """Return the study so far, marked if it is outdated for `group`, or None without one."""
+        """Return the study so far, or None."""
         process = self._background.process
         study = self._refused if process is None else process.known
         if study is None:

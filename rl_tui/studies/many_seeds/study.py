@@ -1,6 +1,4 @@
-"""The work of a study of many seeds: train every run under one seed after another, and average. Results
-are reported block by block. The study stops when it has used its CPU time.
-"""
+"""The work of a study of many seeds, reported block by block."""
 
 from __future__ import annotations
 
@@ -38,14 +36,14 @@ Row = Mapping[str, Any]
 
 
 def estimate_of(values: Iterable[float | None]) -> Estimate | None:
-    """Return the mean of the known values, as in `train --runs --json`, or None."""
+    """Return the mean of the known values, or None."""
     found = summary(list(values))
     mean, count = found["mean"], found["count"]
     return None if mean is None or count is None else Estimate(mean, found["stderr"], int(count))
 
 
 def difference_of(shown: Sequence[float | None], other: Sequence[float | None]) -> PairedDifference | None:
-    """Return `shown` minus `other`, seed by seed, or None if no seed has both."""
+    """Return `shown` minus `other`, seed by seed, or None."""
     pairs = [(a, b) for a, b in zip(shown, other, strict=True) if a is not None and b is not None]
     mean = estimate_of(a - b for a, b in pairs)
     if mean is None:
@@ -62,7 +60,7 @@ def estimates_of(rows: Sequence[Row], names: Iterable[str]) -> dict[str, Estimat
 def differences_of(
     shown: Sequence[Row], other: Sequence[Row], names: Iterable[str]
 ) -> dict[str, PairedDifference]:
-    """Return the visible run's rows minus another run's, for each number that both have."""
+    """Return `difference_of` for each number that both runs have."""
     found = {
         name: difference_of([row[name] for row in shown], [row[name] for row in other]) for name in names
     }
@@ -89,7 +87,7 @@ class _OutOfTimeError(Exception):
 
 
 def work(request: StudyRequest, tell: Callable[[SeedStudy, float], None]) -> None:
-    """Compute the study block by block, with the lowest priority once machine code is ready."""
+    """Compute the study, with low priority once machine code is ready."""
     study = Study(request)
     if study.has_machine_code and not request.is_awaited:
         let_others_go_first()
@@ -101,11 +99,7 @@ def work(request: StudyRequest, tell: Callable[[SeedStudy, float], None]) -> Non
 
 
 class Study:
-    """Computes the study for `request`. `clock` returns CPU seconds.
-
-    Raises:
-        UserError: A world cannot be built.
-    """
+    """Computes the study for `request`. `clock` returns CPU seconds. Raises UserError."""
 
     def __init__(self, request: StudyRequest, clock: Callable[[], float] = time.process_time) -> None:
         start = clock()
@@ -121,7 +115,7 @@ class Study:
 
     @property
     def has_machine_code(self) -> bool:
-        """True if the machine code for the start of all runs is cached."""
+        """True if machine code for the first loops is cached."""
         return all(was_compiled(lane.runs.first.learner.loop) for lane in self._lanes)
 
     def get_machine_code(self) -> None:
@@ -130,11 +124,9 @@ class Study:
             lane.runs.get_machine_code(self._request.most, self._goal, no_compiling)
 
     def reports(self) -> Iterator[SeedStudy]:
-        """Yield the study after 8, 16, 32, … seeds. It ends after 60 s, including worlds but not
-        compilation, and the last report says why.
+        """Yield the study after 8, 16, 32, … seeds. Raises UserError.
 
-        Raises:
-            UserError: A run broke down.
+        It ends after 60 s, including worlds but not compilation.
         """
         end = self._clock() + MOST_SECONDS - self._spent
 
@@ -153,7 +145,7 @@ class Study:
         except _TooLongError:
             self._goal = Goal(steps=MOST_STEPS)
             episodes = counted(self._request.episodes or 0, "episode")
-            why = f"each seed ends after {MOST_STEPS:,} steps: {episodes} would take one of them more"
+            why = f"each seed ends after {MOST_STEPS:,} steps, because one needs more for {episodes}"
             self._study = replace(
                 self._study,
                 state=StudyState.RUNNING,
@@ -169,7 +161,6 @@ class Study:
             yield from self._blocks_of_goal(check)
 
     def _blocks_of_goal(self, check: Callable[[], None]) -> Iterator[SeedStudy]:
-        """Yield the study after each block, with every seed trained to the same goal."""
         seeds, block = 0, FIRST_BLOCK
         while seeds < self._request.most:
             while seeds < block:
@@ -190,7 +181,7 @@ class Study:
             return replace(
                 self._study,
                 state=StudyState.OUT_OF_TIME,
-                message=f"{MOST_SECONDS:.0f} s of processor time are not enough for 2 seeds",
+                message=f"{MOST_SECONDS:.0f} s of processor time were not enough for 2 seeds",
             )
         if self._study.seeds:
             return replace(self._study, state=StudyState.OUT_OF_TIME)
@@ -208,8 +199,6 @@ class Study:
 
 
 def _bounding(check: Callable[[], None]) -> Callable[[Run | BatchedRuns], OnProgress]:
-    """Return a listener that stops a seed by `check`, or after too many steps."""
-
     def watch(run: Run | BatchedRuns) -> OnProgress:
         def on_progress(done: int, wanted: int) -> None:
             check()
@@ -222,8 +211,6 @@ def _bounding(check: Callable[[], None]) -> Callable[[Run | BatchedRuns], OnProg
 
 
 class _Lane:
-    """A visible run under seed after seed."""
-
     def __init__(self, lane: StudiedRun, known: World | None) -> None:
         self.runs = SeededRuns(lane.recipe, lane.journal, known)
         self.rows: list[Row] = []
@@ -231,7 +218,6 @@ class _Lane:
         self._plans = lane.plans
 
     def begin_anew(self) -> None:
-        """Forget all seeds."""
         self.rows, self._curves = [], Curves(0)
 
     @property
@@ -241,7 +227,6 @@ class _Lane:
         return max(1, runs_at_once(self.runs)) if is_quick else 1
 
     def add_seeds(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
-        """Train the next seeds to `goal`. `check` is called regularly and may raise to stop."""
         if goal.episodes is not None and not self._plans:
             self._curves.episodes = goal.episodes
         first = self.runs.first_seed + len(self.rows)
@@ -259,10 +244,7 @@ class _Lane:
         check()
 
     def complete_curve(self, goal: Goal, check: Callable[[], None]) -> None:
-        """Compute the curve if a number of steps ends each seed, because only now the width of its bins is
-        known. The first block is trained again to the fewest episodes of its seeds. Later blocks have bins
-        of that width.
-        """
+        """Train again for the curve if a number of steps ends each seed: its bins are known only now."""
         if self._curves.episodes or goal.episodes is not None or self._plans:
             return
         self._curves.episodes = min(row["episodes"] for row in self.rows)
@@ -271,7 +253,6 @@ class _Lane:
             train_curves(self.runs, seeds, self._curves, watch=_bounding(check))
 
     def study(self, seeds: int, shown: _Lane | None) -> LaneStudy:
-        """Return the study of `seeds` seeds, with differences from the run `shown` if that is another."""
         rows, names = self.rows[:seeds], self.runs.figures
         common = [] if shown is None else [name for name in names if name in shown.runs.figures]
         return LaneStudy(

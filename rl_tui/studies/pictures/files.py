@@ -1,15 +1,12 @@
-"""Picture files: PNG drawn by Matplotlib, which is imported only here, or SVG. An SVG needs no other file,
-and equal pictures have equal bytes.
-"""
+"""Picture files: SVG, or a PNG that resvg draws from it. Equal pictures have equal bytes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
-from io import BytesIO
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 from xml.sax.saxutils import escape, quoteattr
 
 from rl_tui.common.errors import UserError
@@ -20,98 +17,6 @@ from rl_tui.studies.pictures.layout import laid_out
 from rl_tui.studies.pictures.picture import Picture
 from rl_tui.studies.pictures.shapes import Disc, DrawnPage, Rectangle, Shape, Text
 
-# PNG
-
-
-SCALE: Final = 2
-"""PNG pixels for each pixel of the layout, for sharp prints."""
-_DOTS_PER_INCH: Final = 100
-_POINTS_PER_INCH: Final = 72
-_ANCHORS: Final = {"start": "left", "middle": "center", "end": "right"}
-
-
-def check_matplotlib() -> None:
-    """Raise UserError if Matplotlib is not installed."""
-    if find_spec("matplotlib") is None:
-        raise UserError(
-            'a PNG needs Matplotlib, which is not installed: pip install "rl-tui[plot]", '
-            "or choose a name that ends in .svg"
-        )
-
-
-def png_of(picture: Picture) -> bytes:
-    """Return `picture` as the bytes of a PNG. Raises UserError if Matplotlib is not installed."""
-    check_matplotlib()
-    import matplotlib as mpl
-
-    with mpl.rc_context():
-        mpl.rcdefaults()  # ignore the user's settings for other pictures
-        return _drawn(laid_out(picture))
-
-
-def _drawn(page: DrawnPage) -> bytes:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    size = (page.width / _DOTS_PER_INCH, page.height / _DOTS_PER_INCH)
-    figure = Figure(figsize=size, dpi=_DOTS_PER_INCH * SCALE)
-    FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_axis_off()
-    axes.set_xlim(0.0, page.width)
-    axes.set_ylim(page.height, 0.0)
-    for order, shape in enumerate(page.shapes):
-        if isinstance(shape, Text):
-            _draw_text(axes, shape, order)
-        else:
-            _draw_patch(axes, shape, order)
-    stream = BytesIO()
-    metadata = {"Title": page.title, "Description": page.summary, "Software": "rl-tui"}
-    figure.savefig(stream, format="png", metadata=metadata)
-    return stream.getvalue()
-
-
-def _draw_text(axes: Any, text: Text, order: int) -> None:
-    axes.text(
-        text.x,
-        text.y,
-        printable(text.text),
-        fontsize=_points(text.size),
-        color=text.colour,
-        ha=_ANCHORS[text.anchor],
-        va="baseline",
-        weight="bold" if text.bold else "normal",
-        parse_math=False,
-        zorder=order,
-    )
-
-
-def _draw_patch(axes: Any, shape: shapes.Path | Disc, order: int) -> None:
-    from matplotlib.patches import Circle, PathPatch, Rectangle
-    from matplotlib.path import Path as Outline
-
-    patch: Any
-    if isinstance(shape, Disc):
-        patch = Circle((shape.x, shape.y), shape.radius)
-    else:
-        patch = PathPatch(Outline([*shape.points, *shape.points[:1]] if shape.closed else shape.points))
-        patch.set_linewidth(_points(shape.width) if shape.stroke else 0.0)
-        patch.set_alpha(shape.opacity)
-        if shape.dash:  # in multiples of the line width
-            patch.set_linestyle((0, [float(part) / shape.width for part in shape.dash.split()]))
-    patch.set_facecolor(shape.fill or "none")
-    patch.set_edgecolor(shape.stroke or "none")
-    patch.set_zorder(order)
-    axes.add_patch(patch)
-    if shape.clip is not None:
-        left, top, width, height = shape.clip
-        patch.set_clip_path(Rectangle((left, top), width, height, transform=axes.transData))
-
-
-def _points(pixels: float) -> float:
-    return pixels * _POINTS_PER_INCH / _DOTS_PER_INCH
-
-
 # SVG
 
 
@@ -119,7 +24,7 @@ _FONTS: Final = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'DejaVu 
 
 
 def svg_of(picture: Picture) -> str:
-    """Return `picture` as the text of an SVG with its own background."""
+    """Return `picture` as an SVG with its own background."""
     page = laid_out(picture)
     clips = _clips(page)
     width, height = _number(page.width), _number(page.height)
@@ -207,20 +112,52 @@ def _number(value: float) -> str:
     return "0" if text == "-0" else text
 
 
+# PNG
+
+
 PNG: Final = ".png"
+SCALE: Final = 2
+"""PNG pixels for each pixel of the layout, for sharp prints."""
+_LETTER: Final = '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"><text y="9">M</text></svg>'
+
+
+def check_renderer() -> None:
+    """Raise UserError if resvg or a font is missing. Without fonts, resvg omits texts silently."""
+    if find_spec("resvg_py") is None:
+        raise UserError(
+            'a PNG needs resvg, which is not installed: pip install "rl-tui[plot]", '
+            "or choose a name that ends in .svg"
+        )
+    from resvg_py import svg_to_bytes
+
+    if svg_to_bytes(svg_string=_LETTER) == svg_to_bytes(svg_string=_LETTER, skip_system_fonts=True):
+        raise UserError(
+            "a PNG needs a font, and none is installed: install one such as DejaVu Sans, "
+            "or choose a name that ends in .svg"
+        )
+
+
+def png_of(picture: Picture) -> bytes:
+    """Return `picture` as a PNG. Raises UserError."""
+    check_renderer()
+    from resvg_py import svg_to_bytes
+
+    drawn: bytes = svg_to_bytes(svg_string=svg_of(picture), zoom=SCALE)
+    return drawn
+
+
+# Files
 
 
 @contextmanager
 def picture_file(path: Path) -> Iterator[Callable[[Picture], None]]:
-    """Yield a function that writes a picture to `path`, as PNG if the name ends in .png, else as SVG.
-    `whole_file` decides whether the file is kept.
+    """Yield a function that writes a picture to `path`, as PNG or SVG.
 
-    Raises:
-        UserError: The file cannot be written or drawn. This is raised before there is a picture.
+    `whole_file` decides whether the file is kept. Raises UserError before there is a picture.
     """
     is_png = path.suffix.lower() == PNG
     if is_png:
-        check_matplotlib()
+        check_renderer()
     with whole_file(path) as stream:
 
         def write(picture: Picture) -> None:

@@ -1,6 +1,4 @@
-"""Results read from files: JSON of `train --runs` and `sweep`, stores, CSV of `train --curve`. A file that
-is none of these raises a UserError.
-"""
+"""Results read from files: JSON of `train --runs` and `sweep`, stores, CSV of `train --curve`."""
 
 from __future__ import annotations
 
@@ -12,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from rl_tui.common.errors import Fault, UserError, complaint
+from rl_tui.common.errors import Fault, UserError
 from rl_tui.common.findings import one_line, printable
 from rl_tui.common.limits import LARGEST_DRAWN, LARGEST_RESULTS
 from rl_tui.common.text_file import UnreadableError, open_plain, read_text
@@ -30,7 +28,7 @@ _HEAD: Final = b"SQLite format 3\0"
 
 
 def is_store(path: Path) -> bool:
-    """Return True if the file is an SQLite database, as stores are, or False if it cannot be read."""
+    """Return True if the file is an SQLite database."""
     try:
         with open_plain(path, "a store") as file:
             return file.read(len(_HEAD)) == _HEAD
@@ -39,15 +37,7 @@ def is_store(path: Path) -> bool:
 
 
 def document_of(path: Path, measure: str | None) -> Any:
-    """Return the document of the last sweep in the store.
-
-    Args:
-        path: Store of sweeps.
-        measure: Metric by which cells are compared, ignored if unknown.
-
-    Raises:
-        UserError: The file is not a store of sweeps, or is empty.
-    """
+    """Return the document of the last sweep in a store. Raises UserError."""
     with Store.to_read(path) as store:
         plans = store.plans()
         if not plans:
@@ -73,11 +63,7 @@ _WANTED: Final = "the JSON of train --runs or of sweep, a store of sweeps, or th
 
 
 def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTable:
-    """Read the results in a file. Cells of a store are compared by `measure` if it is a metric.
-
-    Raises:
-        UserError: The file has no results, or cannot be read.
-    """
+    """Read the results in a file, comparing cells of a store by `measure`. Raises UserError."""
     if is_store(path):
         return results_of(document_of(path, measure), str(path))
     try:
@@ -96,20 +82,22 @@ def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTa
 
 
 def results_of(document: object, source: str) -> CurveTable | SweepTable:
-    """Return the results in the JSON `document` from `source`. Raises UserError if there are none."""
+    """Return the results in the JSON `document`. Raises UserError."""
     if not isinstance(document, dict):
-        raise _fault(source, "no JSON object")
+        raise _fault(source, "not a JSON object")
     if isinstance(document.get("cells"), list):
         return _sweep(document, source)
     if isinstance(document.get("curve"), dict):
         return _curve(document, source)
     if "q" in document and "policy" in document:
-        raise _fault(source, "one run, which has no curve", "train --runs N --json, or train --curve F.csv")
-    raise _fault(source, "neither a curve nor cells")
+        raise _fault(
+            source, "a single run has no curve", "the result of train --runs N --json, or train --curve F.csv"
+        )
+    raise _fault(source, "contains neither a curve nor a sweep")
 
 
-def _fault(source: str, found: str, expected: str = _WANTED) -> UserError:
-    return UserError(f"{source}: {complaint(found, expected)}")
+def _fault(source: str, wrong: str, wanted: str = _WANTED) -> UserError:
+    return UserError(f"{source}: {wrong}; give {wanted}")
 
 
 def _refuse_constant(name: str) -> NoReturn:
@@ -124,14 +112,14 @@ def _curve_of_csv(path: Path, text: str) -> CurveTable:
             for place, name in enumerate(head)
         }
     except (csv.Error, ValueError, IndexError) as error:
-        raise _fault(str(path), f"no table of numbers ({one_line(str(error), _LONGEST)})") from error
+        raise _fault(str(path), f"not a table of numbers ({one_line(str(error), _LONGEST)})") from error
     return _checked(CurveTable(path.stem, columns, None), str(path))
 
 
 def _curve(document: Mapping[str, Any], source: str) -> CurveTable:
     columns = document["curve"]
     if not all(isinstance(values, list) and all(map(_is_number, values)) for values in columns.values()):
-        raise _fault(source, "a curve that is not lists of numbers", _DRAWABLE)
+        raise _fault(source, "the curve has no lists of numbers", _DRAWABLE)
     runs = document.get("runs")
     words = [document[name] for name in ("scenario", "algorithm") if isinstance(document.get(name), str)]
     return _checked(
@@ -145,15 +133,14 @@ def _curve(document: Mapping[str, Any], source: str) -> CurveTable:
 
 
 def _checked(table: CurveTable, source: str) -> CurveTable:
-    """Return `table` if it is a curve with points. Raises UserError otherwise."""
     lengths = {len(values) for values in table.columns.values()}
     episodes = table.columns.get(EPISODE, ())
     if len(lengths) != 1 or None in episodes or EPISODE not in table.columns:
-        raise _fault(source, "no curve over episodes")
+        raise _fault(source, "has no curve over episodes")
     if not episodes:
-        raise _fault(source, "a curve without episodes", "runs that finish some")
+        raise _fault(source, "the curve has no episode", "runs with finished episodes")
     if not all(_is_number(value) for row in table.columns.values() for value in row):
-        raise _fault(source, "a curve with a number that cannot be drawn", _DRAWABLE)
+        raise _fault(source, "the curve has a number that cannot be drawn", _DRAWABLE)
     return table
 
 
@@ -167,16 +154,16 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
     measures = _measures(document.get("measures"), source)
     cells = document["cells"]
     if not cells:
-        raise _fault(source, "a sweep without a cell that was trained", "one with runs in it")
+        raise _fault(source, "the sweep has no trained cell", "a sweep with finished runs")
     if not all(isinstance(cell, dict) for cell in cells):
-        raise _fault(source, "cells that are not JSON objects")
+        raise _fault(source, "a cell is not a JSON object")
     spreads = {name for name in measures if any(isinstance(cell.get(name), dict) for cell in cells)}
     if not spreads:
-        raise _fault(source, "cells without a measure")
+        raise _fault(source, "no cell has a metric")
     kept = {name: title for name, title in measures.items() if name in spreads}
     names = tuple(name for name in cells[0] if name not in (*_NOT_SETTINGS, *measures))
     if not names or any(not _is_setting(cell.get(name)) for cell in cells for name in names):
-        raise _fault(source, "cells without the settings that vary")
+        raise _fault(source, "a cell lacks a setting that varies")
     judged_by = document.get("measure")
     return SweepTable(
         scenario="" if "scenario" in names else one_line(str(document.get("scenario", "")), _LONGEST_TITLE),
@@ -198,7 +185,6 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
 
 
 def _measures(found: object, source: str) -> dict[str, str]:
-    """Return the titles of the metrics, which a document lists as names or as objects."""
     measures: dict[str, str] = {}
     for each in found if isinstance(found, list) else ():
         if isinstance(each, str):
@@ -206,7 +192,7 @@ def _measures(found: object, source: str) -> dict[str, str]:
         elif isinstance(each, dict) and isinstance(each.get("id"), str):
             measures[each["id"]] = one_line(str(each.get("title", each["id"])), _LONGEST_TITLE)
     if not measures:
-        raise _fault(source, "a sweep without measures")
+        raise _fault(source, "the sweep has no metric")
     return measures
 
 
@@ -226,7 +212,7 @@ def _spread(figures: object, runs: object, source: str) -> CellSpread:
     of = _RESTRICTED if is_restricted else ""
     mean, low, high = (figures.get(f"{of}{name}") for name in ("mean", "low", "high"))
     if not all(map(_is_number, (mean, low, high))):
-        raise _fault(source, "a measure that is not a number", _DRAWABLE)
+        raise _fault(source, "a metric is not a number", _DRAWABLE)
     return CellSpread(mean, low, high, figures.get("count", runs) == runs, is_restricted)
 
 
@@ -235,14 +221,12 @@ def _is_setting(value: object) -> bool:
 
 
 def _settings_in(found: object, names: Iterable[str]) -> dict[str, Value] | None:
-    """Return the settings `names` of a cell, or None if one is missing."""
     if not isinstance(found, dict) or not all(_is_setting(found.get(name)) for name in names):
         return None
     return {name: found[name] for name in names}
 
 
 def _is_logarithmic(name: str, vary: object, values: Sequence[Value]) -> bool:
-    """Return True if the values of `name` have equal ratios, by declaration or in fact."""
     numbers = sorted({value for value in values if not isinstance(value, bool | str)})
     if len(numbers) < len(set(values)) or not numbers or numbers[0] <= 0:
         return False

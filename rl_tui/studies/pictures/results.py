@@ -1,4 +1,4 @@
-"""The picture of given results: learning curves, or a metric of a sweep against its settings."""
+"""Pictures of results: learning curves, or a metric of a sweep."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from rl_tui.studies.pictures.picture import (
 )
 from rl_tui.studies.pictures.reading import EPISODE
 from rl_tui.studies.pictures.tables import CurveTable, SweepCell, SweepTable, Value
+from rl_tui.studies.statistics.intervals import SHARE_BELOW, student_quantile
 
 # Learning curves: one chart, a line with a band for each file
 
@@ -46,15 +47,10 @@ _BAND: Final = "Bands: the 95 % interval of the mean"
 
 
 def curve_picture(tables: Sequence[CurveTable], measure: str | None = None) -> Picture:
-    """Return a chart of one column, with a curve for each table. Bands are 95 % intervals of the mean: by
-    Student's t if the number of runs is known, else ± 1.96 standard errors.
+    """Return a chart of one column (default the return), with a curve for each table.
 
-    Args:
-        tables: Learning curves.
-        measure: Name in `TITLES`, default the return.
-
-    Raises:
-        UserError: A table lacks the column.
+    Bands are 95 % intervals of the mean: by Student's t if the number of runs is known, else ± 1.96 standard
+    errors. Raises UserError if a table lacks the column.
     """
     column = measure or "return_mean"
     if column not in TITLES:
@@ -86,7 +82,6 @@ def curve_picture(tables: Sequence[CurveTable], measure: str | None = None) -> P
 
 
 def _names(tables: Sequence[CurveTable]) -> list[str]:
-    """Return distinct names for `tables`."""
     names = [table.name for table in tables]
     return [
         name if names.count(name) == 1 else f"{name} ({place})" for place, name in enumerate(names, start=1)
@@ -109,12 +104,9 @@ def _curves_curve(name: str, table: CurveTable, column: str, place: int) -> Char
 
 
 def _half_width(runs: int | None) -> float:
-    """Return the half width of the 95 % interval of a mean over `runs`, in standard errors."""
     if runs is None or runs < 2:
         return _NORMAL
-    from scipy.special import stdtrit
-
-    return float(stdtrit(runs - 1, 0.975))
+    return student_quantile(SHARE_BELOW, runs - 1)
 
 
 def _method(tables: Sequence[CurveTable]) -> str:
@@ -124,12 +116,11 @@ def _method(tables: Sequence[CurveTable]) -> str:
 
 
 def _curves_summary(title: str, curves: Sequence[ChartCurve]) -> str:
-    last = (next(value for value in reversed(curve.y) if value is not None) for curve in curves)
-    ends = "; ".join(
-        f"{curve.name or 'it'} ends at {number_text(value)}"
-        for curve, value in zip(curves, last, strict=True)
-    )
-    return f"{title} over episodes, a line for each of {counted(len(curves), 'result')}. {ends}."
+    last = [number_text(next(value for value in reversed(curve.y) if value is not None)) for curve in curves]
+    if len(curves) == 1:
+        return f"{title} over episodes. The last value is {last[0]}."
+    ends = "; ".join(f"{curve.name} ends at {value}" for curve, value in zip(curves, last, strict=True))
+    return f"{title} over episodes, a line for each of {len(curves)} results. {ends}."
 
 
 # Pictures of a sweep
@@ -141,15 +132,13 @@ _NAME_DIGITS: Final = 3
 _LONGEST_WORD: Final = 40  # characters of a word on an axis or in the name of a line
 _APART: Final = 0.3  # of the distance between words, from the first to the last point of a word
 _INTERVAL: Final = "the interval of the mean that the sweep gives."
-_RESTRICTED: Final = "Runs that had not arrived when training ended count with the episodes that they had."
+_RESTRICTED: Final = "Runs that had not arrived when training ended count with all their episodes."
 _PARTIAL: Final = "Some means leave out runs without a value: see count in the results."
 Settings = tuple[Value, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class _Wanted:
-    """What to draw of a sweep: a metric against `x`, or over `x` and `y`."""
-
     table: SweepTable
     measure: str
     x: str
@@ -162,22 +151,18 @@ class _Wanted:
 
     @property
     def title(self) -> str:
-        """Scenario and metric in words."""
         return f"{self.table.scenario}: {self.table.measures[self.measure]}".removeprefix(": ")
 
     def groups(self) -> dict[Settings, list[SweepCell]]:
-        """Return the cells by their other settings, in the order of the sweep."""
         groups: dict[Settings, list[SweepCell]] = {}
         for cell in self.table.cells:
             groups.setdefault(tuple(cell.settings[name] for name in self.others), []).append(cell)
         return groups
 
     def mean(self, cell: SweepCell) -> float | None:
-        """Return the metric of `cell`."""
         return cell.spreads[self.measure].mean
 
     def notes(self, cut: str) -> tuple[str, ...]:
-        """Return the notes below the picture: `cut`, and remarks about incomplete means."""
         there = [cell.spreads[self.measure] for cell in self.table.cells]
         is_partial = any(each.mean is not None and not each.is_of_all for each in there)
         is_restricted = any(each.is_restricted for each in there)
@@ -185,7 +170,6 @@ class _Wanted:
         return tuple(filter(None, said))
 
     def means(self) -> list[float]:
-        """Return the metric of all cells that have it. Raises UserError if none has."""
         means = [mean for cell in self.table.cells if (mean := self.mean(cell)) is not None]
         if not means:
             raise UserError(f"no cell has a value of {self.measure}: choose another --measure")
@@ -195,16 +179,9 @@ class _Wanted:
 def sweep_picture(
     table: SweepTable, measure: str | None = None, x: str | None = None, y: str | None = None
 ) -> Picture:
-    """Return a chart of a metric against `x`, or a heat map with `y`.
+    """Return a chart of a metric against `x`, or a heat map with `y`. Raises UserError.
 
-    Args:
-        table: Results of a sweep.
-        measure: Metric, default the one that ranks the sweep.
-        x: Setting, default the first numeric one.
-        y: Setting. By default it is the second numeric one, if neither is given.
-
-    Raises:
-        UserError: A name is unknown, or there are too many lines or panels.
+    Defaults are the metric that ranks the sweep, and the first two numeric settings.
     """
     named = (("--measure", measure, tuple(table.measures)), ("--x", x, table.names), ("--y", y, table.names))
     for option, name, names in named:
@@ -226,7 +203,7 @@ def _is_numeric(table: SweepTable, name: str) -> bool:
 
 
 def _values(table: SweepTable, name: str) -> list[Value]:
-    """Return the values of a setting: numbers ascending, words in the order of the sweep."""
+    """Return the values of a setting: numbers ascending, words as swept."""
     values = list(dict.fromkeys(cell.settings[name] for cell in table.cells))
     if any(isinstance(value, bool | str) for value in values):
         return values
@@ -234,7 +211,7 @@ def _values(table: SweepTable, name: str) -> list[Value]:
 
 
 def value_text(value: Value, digits: int = 4) -> str:
-    """Format a value of a setting, numbers with at most `digits` significant digits."""
+    """Format a value of a setting with at most `digits` digits."""
     return number_text(value, digits) if not isinstance(value, bool | str) else _word(value)
 
 
@@ -251,7 +228,6 @@ def setting_label(name: str) -> str:
 
 
 def _said(names: Sequence[str], values: Settings) -> str:
-    """Format settings: words alone, numbers with their names."""
     return ", ".join(
         one_line(value, _LONGEST_WORD) if isinstance(value, str) else f"{_sign(name)} = {value_text(value)}"
         for name, value in zip(names, values, strict=True)
@@ -386,11 +362,7 @@ def picture_of(
     x: str | None = None,
     y: str | None = None,
 ) -> Picture:
-    """Return a picture of several curves or of one sweep.
-
-    Raises:
-        UserError: `tables` are neither, or lack what is requested.
-    """
+    """Return a picture of curves or of one sweep. Raises UserError."""
     curves = [table for table in tables if isinstance(table, CurveTable)]
     if len(curves) == len(tables):
         if x is not None or y is not None:

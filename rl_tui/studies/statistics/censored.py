@@ -1,4 +1,4 @@
-"""Times of arrival at a goal if some runs do not arrive in their time. Those are censored, not late."""
+"""Times of arrival at a goal. Runs that do not arrive in their time are censored, not late."""
 
 from __future__ import annotations
 
@@ -21,12 +21,11 @@ class Arrivals:
         count: Number of runs.
         share: Share of runs that arrived, 0 to 1.
         share_low: Lower end of Wilson's 95 % interval of the share, None below ten runs.
-        share_high: Upper end of that interval.
-        median: First time by which at least half of all runs have arrived, None if that was not observed.
-        restricted_mean: Mean of min(arrival, `horizon`). It is a mean time to arrival only if all arrived.
-        low: Lower end of its 95 % interval, None below ten runs or if a run was not watched to the
-            horizon.
-        high: Upper end of that interval.
+        share_high: Upper end.
+        median: First time by which half of all runs have arrived, None if not observed.
+        restricted_mean: Mean of min(arrival, `horizon`), a mean time to arrival only if all arrived.
+        low: Lower end of its 95 % interval, None below ten runs or if a run was not watched to the horizon.
+        high: Upper end.
         horizon: Longest time that a run was watched.
     """
 
@@ -42,25 +41,20 @@ class Arrivals:
 
 
 def arrivals_of(times: FloatArray, watched: FloatArray) -> Arrivals | None:
-    """Summarize arrivals. Runs must not have been stopped because they were slow or quick to learn, since
-    the remaining sample would be biased. Equal budgets exclude that.
+    """Summarize arrivals, or return None without runs.
 
     Args:
         times: Time of arrival, NaN for a run that did not arrive, `[n]`.
-        watched: Budget of each run, `[n]`. For a run that arrived it only affects the horizon, which is
-            the longest budget.
-
-    Returns:
-        The summary, or None without runs.
+        watched: Budget of each run, `[n]`, which must not depend on how it learns.
 
     Raises:
         ValueError: Shapes differ, a time is negative or exceeds the budget, or a budget is not finite.
     """
     if times.shape != watched.shape or times.ndim != 1 or not np.isfinite(watched).all():
-        raise ValueError("each run needs a time, or NaN, and how long it was watched")
+        raise ValueError("each run needs a time, or NaN, and its length")
     arrived = ~np.isnan(times)
     if np.any((times < 0) | (times > watched) | (watched < 0)):
-        raise ValueError("a run arrives between 0 and the end of the time it was watched")
+        raise ValueError("each time must be from 0 to the end of its run")
     count, reached = times.size, int(arrived.sum())
     if not count:
         return None
@@ -85,17 +79,18 @@ def arrivals_of(times: FloatArray, watched: FloatArray) -> Arrivals | None:
 
 
 def still_under_way(times: FloatArray, watched: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Estimate the share of runs that have not arrived (E. L. Kaplan and P. Meier, "Nonparametric
-    Estimation from Incomplete Observations", 1958). At each moment the share falls by the part that
-    arrives among the runs still watched, including those watched to that moment.
+    """Estimate the share of runs that have not arrived (E. L. Kaplan and P. Meier, "Nonparametric Estimation
+    from Incomplete Observations", 1958).
+
+    At each moment the share falls by the part that arrives among the runs still watched, including those
+    watched to that moment.
 
     Args:
         times: Time of arrival or NaN, `[n]`.
         watched: Budget of each run, `[n]`.
 
     Returns:
-        Moments, `[m]`, rising from 0, and the share after each, `[m]`. The share is 1 at 0 unless a run
-        arrives then.
+        Moments, `[m]`, rising from 0, and the share after each, `[m]`.
     """
     arrived = ~np.isnan(times)
     moments, arrivals = np.unique(times[arrived], return_counts=True)

@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.studies.statistics.intervals import EQUAL, FEWEST_RUNS
+from rl_tui.studies.statistics.intervals import EQUAL, FEWEST_RUNS, student_share
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 ERROR: Final = 0.05
 """Probability of calling any cell as good as the best different."""
-METHOD: Final = "paired t-tests against the best, Holm's step-down corrected for the choice of the best"
+METHOD: Final = "paired t-tests against the best, with Holm's correction, and one for the choice of the best"
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +33,13 @@ class Comparison:
 
 
 def not_different(values: FloatArray, larger_is_better: bool = True) -> Comparison:
-    """Compare cells with the best of them. The best is the first with the best mean, among the cells with
-    enough runs or else with most. Two cells are compared by their common seeds, if these are at least
-    `FEWEST_RUNS`.
+    """Compare cells with the first that has the best mean, among those with enough runs or else with most.
+
+    Two cells are compared by their common seeds, if these are at least `FEWEST_RUNS`. The best is chosen from
+    the same numbers, so `ERROR` is divided by the m (C − 1) pairs of an equal cell and a best one: m is at
+    most C, and at most C − k once k cells were shown to be worse (S. Holm, "A Simple Sequentially Rejective
+    Multiple Test Procedure", 1979; J. C. Hsu, "Simultaneous Confidence Intervals for all Distances from the
+    'Best'", 1981).
 
     Args:
         values: Results, `[C, N]`, a column for each seed, NaN for a missing run.
@@ -43,17 +47,9 @@ def not_different(values: FloatArray, larger_is_better: bool = True) -> Comparis
 
     Raises:
         ValueError: A value is infinite, or `values` is not a matrix.
-
-    The best is chosen from the same numbers, so a test with a correction for C only would err far too
-    often. A cell as good as any is called different only if it differs much from one of the C − 1 others,
-    any of which may be chosen as best. With m such cells there are m (C − 1) pairs, by which `ERROR` is
-    divided. m is at most C, and at most C − k once k cells were shown to be worse (S. Holm, "A Simple
-    Sequentially Rejective Multiple Test Procedure", 1979). This holds for any dependence between cells.
-    For the question see J. C. Hsu, "Simultaneous Confidence Intervals for all Distances from the 'Best'",
-    1981.
     """
     if values.ndim != 2 or np.isinf(values).any():
-        raise ValueError("cells are compared by a matrix of finite numbers, NaN for a run that is not there")
+        raise ValueError("cells need a matrix of finite numbers, with NaN for a missing run")
     results = values if larger_is_better else -values
     there = ~np.isnan(results)
     best = _best(results, there)
@@ -72,7 +68,6 @@ def not_different(values: FloatArray, larger_is_better: bool = True) -> Comparis
 
 
 def _best(results: FloatArray, there: BoolArray) -> int | None:
-    """Return the first row with the largest mean, among those with enough runs or else with most."""
     runs = there.sum(axis=1)
     eligible = runs >= min(FEWEST_RUNS, max(1, int(runs.max(initial=0))))
     if not eligible.any():
@@ -82,11 +77,10 @@ def _best(results: FloatArray, there: BoolArray) -> int | None:
 
 
 def _chances(results: FloatArray, best: FloatArray, shared: BoolArray) -> FloatArray:
-    """Return for each row the p-value of a paired t-test: the probability that an equal cell is this far
-    below `best`. Constant differences give 1 if they are 0, else 0.
-    """
-    from scipy.special import stdtr  # takes long to import
+    """Return the p-value of each row in a paired t-test against `best`.
 
+    Constant differences give 1 if they are 0, else 0.
+    """
     differences = np.where(shared, best - results, 0.0)
     largest = np.max(np.maximum(np.abs(results), np.abs(best)), axis=1, initial=0.0, where=shared)
     differences[np.abs(differences) <= EQUAL * largest[:, np.newaxis]] = 0.0
@@ -96,11 +90,11 @@ def _chances(results: FloatArray, best: FloatArray, shared: BoolArray) -> FloatA
     errors = np.sqrt(squares / (runs - 1) / runs)
     constant = np.where(means > 0.0, np.inf, -np.inf)
     t = np.divide(means, errors, out=constant, where=errors > 0.0)
-    return np.asarray(stdtr(runs - 1, -t), np.float64)
+    return np.array([student_share(-t_of, runs_of - 1) for t_of, runs_of in zip(t, runs, strict=True)])
 
 
 def _worse(chances: FloatArray) -> IntArray:
-    """Return the indexes of the cells shown to be worse than the best, which is not among them."""
+    """Return the indexes of the cells shown to be worse than the best."""
     others = chances.size
     order = np.argsort(chances, kind="stable")
     levels = ERROR / (np.arange(others + 1, 1, -1.0) * others)

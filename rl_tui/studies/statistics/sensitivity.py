@@ -14,11 +14,11 @@ class Sensitivity:
     """The gain of tuning for each of S scenarios, in units of best − random.
 
     Attributes:
-        value: `tuned` − `in_common`. It is too large with few runs, because the largest of several means
-            is high by luck.
-        held_out: The same without that luck, None if a setting has no run in a half. Settings are chosen
-            by one half of the seeds and scored by the other, then vice versa. It may be negative.
-        tuned: Mean score over scenarios with the best settings of each.
+        value: `tuned` − `in_common`, too large with few runs, because the largest of several means is high by
+            luck.
+        held_out: The same without that luck: settings are chosen by one half of the seeds and scored by the
+            other, then vice versa. It may be negative, or None if a setting has no run in a half.
+        tuned: Mean score with the best settings of each scenario.
         in_common: Mean score with the settings that are best for all together.
         best: Indexes of the best settings, `[S]`.
         common: Index of the common settings.
@@ -35,29 +35,26 @@ class Sensitivity:
 
 
 def sensitivity_of(values: FloatArray, random: FloatArray, best: FloatArray) -> Sensitivity | None:
-    """Compute the sensitivity of an algorithm to its settings, mean_s max_h g(s, h) − max_h mean_s g(s,
-    h). Here g(s, h) is the mean over runs of (score − random) / (best − random). The method is by J.
-    Adkins, M. Bowling and A. White, "A Method for Evaluating Hyperparameter Sensitivity in Reinforcement
-    Learning", 2024. They scale by percentiles, while here the scores of the random and the best policy are
-    exact. The result is 0 if the same settings are best everywhere, and for one scenario.
+    """Compute mean_s max_h g(s, h) − max_h mean_s g(s, h), or None without settings.
+
+    Here g(s, h) is the mean over runs of (score − random) / (best − random). The method is by J. Adkins, M.
+    Bowling and A. White, "A Method for Evaluating Hyperparameter Sensitivity in Reinforcement Learning",
+    2024, but with exact scores of the random and the best policy.
 
     Args:
-        values: Scores of the runs, `[S, H settings, N seeds]`, NaN for a missing run. A setting without a
-            run in some scenario is ignored.
+        values: Scores of the runs, `[S, H settings, N seeds]`, NaN for a missing run. A setting without a run
+            in some scenario is ignored.
         random: Score of the random policy, `[S]`.
         best: Score of the best policy, `[S]`, below `random` for costs.
-
-    Returns:
-        The sensitivity, or None without settings.
 
     Raises:
         ValueError: Shapes do not fit, or `random` equals `best` in a scenario.
     """
     if values.ndim != 3 or random.shape != best.shape or random.shape != values.shape[:1]:
-        raise ValueError("values need a row for each scenario, and a random and a best score for each")
+        raise ValueError("expected a row of values, a random score and a best score for each scenario")
     ranges = best - random
     if not np.all(np.isfinite(ranges) & (ranges != 0)):
-        raise ValueError("where the random policy is the best one, scores have no scale")
+        raise ValueError("scores have no scale if the random policy is the best one")
     settings = np.flatnonzero(~np.isnan(values).all(axis=2).any(axis=0))
     if not settings.size or not random.size:
         return None
@@ -77,7 +74,6 @@ def sensitivity_of(values: FloatArray, random: FloatArray, best: FloatArray) -> 
 
 
 def _means(runs: FloatArray) -> FloatArray:
-    """Return the mean of the existing runs, NaN without any."""
     count = np.sum(~np.isnan(runs), axis=2)
     means = np.full(count.shape, np.nan)
     np.divide(np.nansum(runs, axis=2), count, out=means, where=count > 0)
@@ -85,7 +81,6 @@ def _means(runs: FloatArray) -> FloatArray:
 
 
 def _choices(scores: FloatArray) -> tuple[IntArray, int]:
-    """Return the best settings for each scenario, and for all together. The first of equal ones counts."""
     return np.argmax(scores, axis=1), int(np.argmax(scores.mean(axis=0)))
 
 

@@ -1,4 +1,4 @@
-"""Merging of stores: each run once, with a check for equal results."""
+"""Merging of stores: each run once."""
 
 from __future__ import annotations
 
@@ -26,19 +26,9 @@ class Merged:
 def merge(
     out: Path, stores: Sequence[Path], on_progress: Callable[[int, int], None] = lambda done, wanted: None
 ) -> Merged:
-    """Merge stores into one file.
+    """Merge `stores` into the store at `out`, which is created if needed.
 
-    Args:
-        out: Store to write, created if needed.
-        stores: Stores to read. None of them may be `out`.
-        on_progress: Called with (stores done, stores in all).
-
-    Returns:
-        Numbers of rows.
-
-    Raises:
-        UserError: A file is not a store, or a run has two results on one kind of machine. Nothing is
-            changed then.
+    Raises UserError, with nothing changed, if a run has two results on one kind of machine.
     """
     for path in stores:
         if path.resolve() == out.resolve():
@@ -76,8 +66,8 @@ def _take_in(target: Store, source: Store, cell: StoredCell, merged: Merged) -> 
         else:
             raise UserError(
                 f"{source.name}: cell {cell.key[:12]} ({cell.scenario} {cell.settings}), seed {row.seed}: "
-                f"results differ from those in {target.name}, and both machines are of one kind; merge "
-                "without the wrong one"
+                f"results differ from {target.name}, although both machines are of the same kind; leave "
+                "out the wrong store"
             )
 
 

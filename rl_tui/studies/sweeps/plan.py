@@ -1,6 +1,4 @@
-"""The plan of a sweep: which settings vary, and how often and how long each combination is trained. A plan
-is a grid of settings, or points drawn at random from it. Stores keep it as JSON.
-"""
+"""The plan of a sweep: which settings vary, and how."""
 
 from __future__ import annotations
 
@@ -58,10 +56,7 @@ WHOLE: Final = Shard(1, 1)
 
 @dataclass(frozen=True)
 class SweepPlan:
-    """A grid of settings, or points drawn from it, each trained under the same seeds. `overrides` are
-    settings of all cells that differ from the scenario. With `random`, that many points are drawn by
-    `random_seed`.
-    """
+    """A grid of settings, or `random` points in it, all with the same seeds."""
 
     scenario: Scenario
     variations: tuple[Variation, ...]
@@ -100,7 +95,7 @@ class SweepPlan:
         return self.cell_of(index, self.settings(index))
 
     def cell_of(self, index: int, settings: Mapping[str, Value]) -> Cell | SkippedCell:
-        """Return the cell of `settings`, even if it is not in the plan."""
+        """Return the cell of `settings`, even outside the plan."""
         world = {name: value for name, value in world_settings(settings).items() if name != SCENARIO}
         try:
             content = self.worlds.of(self._scenario(settings), world, self.first_seed)
@@ -125,9 +120,7 @@ class SweepPlan:
         return dict(reversed(chosen))
 
     def order(self, shard: Shard = WHOLE) -> Iterator[int]:
-        """Yield the number of each cell of `shard` once, a coarse lattice first. All shards together have
-        every cell. Random points come in the order in which they are drawn.
-        """
+        """Yield each cell of `shard`, a coarse lattice first, random points as drawn."""
         every = (
             coarse_first([Axis(each.count, each.spread is not None) for each in self.variations])
             if self.random is None
@@ -140,9 +133,7 @@ class SweepPlan:
         return len(range(shard.number - 1, self.count, shard.parts))
 
     def check(self) -> None:
-        """Raise UserError if a value works in no cell, or if there are too many cells. The message names
-        it.
-        """
+        """Raise UserError if a value works in no cell, or for too many cells."""
         names = self.names
         for name in names:
             if names.count(name) > 1:
@@ -159,7 +150,7 @@ class SweepPlan:
             )
         if self.count > MOST_SWEEP_CELLS:
             raise UserError(
-                f"{self.count:,} cells, but at most {MOST_SWEEP_CELLS:,} are possible; "
+                f"{self.count:,} cells are more than the {MOST_SWEEP_CELLS:,} allowed; "
                 "vary less, or use --random N"
             )
         for each in self.variations:
@@ -167,7 +158,7 @@ class SweepPlan:
                 self._check_value(each, value)
 
     def without_effect(self) -> list[str]:
-        """Return the settings that no algorithm or policy in the plan uses."""
+        """Return the settings that no algorithm or policy uses."""
         choices = [each for each in self.variations if each.name in (ALGORITHM, SCENARIO, "policy")]
         used = {"ties"}  # they decide the greedy policy, whatever the agent's policy is
         for chosen in islice(product(*(each.listed for each in choices)), _MOST_TRIED):
@@ -180,7 +171,6 @@ class SweepPlan:
         return [name for name in (*self.names, *self.overrides) if name in PARAMETERS and name not in used]
 
     def _check_value(self, variation: Variation, value: Value) -> None:
-        """Raise UserError if `value` works with no values of the other settings."""
         others = [each for each in self.variations if each is not variation and _decides(each)]
         fault = ""
         for number, chosen in enumerate(product(*(_telling(each) for each in others))):
@@ -196,7 +186,6 @@ class SweepPlan:
         return str(settings[SCENARIO]) if SCENARIO in settings else self.scenario
 
     def _recipe(self, content: WorldContent, settings: Mapping[str, Value]) -> Recipe:
-        """Return the recipe for `settings`, caching what many cells share."""
         common = {name: value for name, value in settings.items() if name in (ALGORITHM, "policy")}
         policy = POLICY_BY_ID.get(str(common.get("policy", self.overrides.get("policy"))))
         if "alpha" in settings and (policy is None or policy.needs_step_size):
@@ -222,17 +211,17 @@ class SweepPlan:
 
 
 def world_settings(settings: Mapping[str, Value]) -> dict[str, Value]:
-    """Return the settings that change the world: the scenario and parameters of its world."""
+    """Return the settings that change the world."""
     return {name: value for name, value in settings.items() if name == SCENARIO or name.startswith(PREFIX)}
 
 
 def _decides(variation: Variation) -> bool:
-    """Return True if the value of `variation` may decide whether others work. A number never does."""
+    """Return True if a value may decide whether others work. A number never does."""
     return variation.spread is None or variation.name.startswith(PREFIX)
 
 
 def _telling(variation: Variation) -> Sequence[Value]:
-    """Return values that show whether all can work: the ends of a range, or all listed ones."""
+    """Return values that show whether all can work."""
     spread = variation.spread
     if spread is None:
         return variation.listed
@@ -246,9 +235,7 @@ _LONGEST_FAULT: Final = 200
 
 
 def written_plan(plan: SweepPlan) -> str:
-    """Format `plan` as JSON for `read_plan`, equal for equal plans. It includes the world and the defaults
-    of the scenario, so it can be read without any file.
-    """
+    """Format `plan`, world and defaults as JSON, equal for equal plans."""
     return json.dumps(
         {
             "scenario": plan.scenario.id,
@@ -266,7 +253,7 @@ def written_plan(plan: SweepPlan) -> str:
 
 
 def read_plan(text: str) -> SweepPlan:
-    """Parse a plan. Raises UserError if it is not one, or its scenario is gone."""
+    """Parse a plan. Raises UserError."""
     try:
         said: dict[str, Any] = json.loads(text)
         plan = SweepPlan(
@@ -290,7 +277,6 @@ def read_plan(text: str) -> SweepPlan:
 
 
 def _settings(said: object) -> dict[str, object]:
-    """Return the common settings. The recipe checks their values."""
     if not isinstance(said, dict) or not all(isinstance(each, str | int | float) for each in said.values()):
         raise ValueError("settings must be words or numbers")
     return said

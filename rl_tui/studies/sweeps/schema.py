@@ -1,4 +1,4 @@
-"""The tables of a store, and the check that a database has these and nothing else."""
+"""The tables of a store, and the check that a database has only these."""
 
 from __future__ import annotations
 
@@ -25,37 +25,37 @@ def _figure_columns() -> str:
     lines = []
     for name in MEASURES:
         kind = "INTEGER" if name in _WHOLE else "REAL"
-        lines.append(f"    {name} {kind}, -- {MEASURES[name].title}, in {MEASURES[name].unit}")
+        lines.append(f"    {name} {kind}, -- {MEASURES[name].title} (unit: {MEASURES[name].unit})")
     return "\n".join(lines)
 
 
 SCHEMA: Final = f"""
 CREATE TABLE meta ( -- what the file is
     name TEXT PRIMARY KEY, -- format, created
-    value TEXT NOT NULL -- its number, and when, in UTC
+    value TEXT NOT NULL -- the number of the format; the time of creation, in UTC
 );
-CREATE TABLE machines ( -- where rows were made
-    id INTEGER PRIMARY KEY, -- counted
+CREATE TABLE machines ( -- one kind of machine each
+    id INTEGER PRIMARY KEY, -- 1, 2, 3 and so on
     machine TEXT NOT NULL UNIQUE -- JSON: system, processor, C library, versions
 );
-CREATE TABLE cells ( -- what was trained, once for all of its seeds
+CREATE TABLE cells ( -- one combination of settings each; all seeds of a cell share one row
     key TEXT PRIMARY KEY, -- sha256 of identity
-    identity TEXT NOT NULL, -- JSON: all that a run comes from but for its seed
-    scenario TEXT NOT NULL, -- the id of its scenario when it was first trained; not part of the key
-    settings TEXT NOT NULL -- JSON: what varied when it was first trained; not part of the key
+    identity TEXT NOT NULL, -- JSON: all that determines a run, except its seed
+    scenario TEXT NOT NULL, -- id of the scenario when the cell was first trained; not part of the key
+    settings TEXT NOT NULL -- JSON: what varied when the cell was first trained; not part of the key
 ) WITHOUT ROWID;
-CREATE TABLE plans ( -- what was asked for; rows do not depend on it
+CREATE TABLE plans ( -- one sweep each, as it was asked for; rows do not depend on plans
     plan TEXT PRIMARY KEY, -- JSON: scenario with the text of its file, vary, settings, runs, seeds
-    created TEXT NOT NULL -- when it was begun, in UTC
+    created TEXT NOT NULL -- when the sweep began, in UTC
 ) WITHOUT ROWID;
 CREATE TABLE rows ( -- one run each
-    key TEXT NOT NULL REFERENCES cells (key), -- its cell
-    seed INTEGER NOT NULL, -- its seed
+    key TEXT NOT NULL REFERENCES cells (key), -- the cell of the run
+    seed INTEGER NOT NULL, -- the seed of the run
 {_figure_columns()}
-    {ARRIVED} INTEGER, -- 1: arrival is known; 0: training ended before; null: no exact answer
-    failed TEXT, -- why the run broke down; all figures are null then
-    machine INTEGER NOT NULL REFERENCES machines (id), -- where it was made
-    seconds REAL NOT NULL, -- training and figures
+    {ARRIVED} INTEGER, -- 1: arrival is known; 0: training ended before arrival; null: no exact values
+    failed TEXT, -- why the run failed; all metrics are null then
+    machine INTEGER NOT NULL REFERENCES machines (id), -- where the run was trained
+    seconds REAL NOT NULL, -- time for training and metrics
     PRIMARY KEY (key, seed)
 ) WITHOUT ROWID;
 """
@@ -67,8 +67,9 @@ _Object = tuple[str, str, str, str]
 
 
 def check_schema(database: sqlite3.Connection, name: str) -> None:
-    """Raise UserError if the database is not exactly a store of this format. A view may never end, and a
-    trigger may change what is written. So only the schema is read before all of it is verified.
+    """Raise UserError if the database is not exactly a store of this format.
+
+    A view may never end, and a trigger may change what is written, so only the schema is read before.
     """
     if database.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise UserError(f"{name}: a database, but not a sweep store; choose another file with --store")
@@ -92,7 +93,7 @@ def check_schema(database: sqlite3.Connection, name: str) -> None:
 
 
 def _objects(database: sqlite3.Connection) -> frozenset[_Object]:
-    """Return all definitions of `database` without comments, which contain titles of metrics."""
+    """Return all definitions without comments, which contain titles."""
     return frozenset(
         (str(kind), str(name), str(table), " ".join(_COMMENT.sub("", str(sql)).split()))
         for kind, name, table, sql in database.execute(_OBJECTS)

@@ -1,6 +1,4 @@
-"""The store of sweeps: one SQLite file that holds every run once. It has a single writer at a time. A lock
-left behind on this machine is taken over. One of another machine stays until its file is removed.
-"""
+"""The store of sweeps: one SQLite file that holds every run once."""
 
 from __future__ import annotations
 
@@ -34,9 +32,9 @@ _ELSEWHERE: Final = "let each machine write a store of its own (--shard), then r
 
 
 class WriterLock:
-    """The right to write the store at `path`, until it is released or the process ends. The system knows
-    whether a holder on this machine lives, so its lock can be taken over. The lock of another machine on a
-    shared drive stays until its file is removed.
+    """The right to write the store at `path`, until it is released or the process ends.
+
+    A lock left behind on this machine is taken over. That of another machine stays until its file is removed.
     """
 
     def __init__(self, path: Path) -> None:
@@ -45,7 +43,12 @@ class WriterLock:
         self._lock = FileLock(path)
 
     def acquire(self) -> None:
-        """Acquire the lock. Raises UserError, naming the holder, if another process has it, and OSError."""
+        """Acquire the lock.
+
+        Raises:
+            UserError: Another process has the lock. The error names it.
+            OSError: The files of the lock cannot be written.
+        """
         if not self._lock.acquire():
             raise UserError(
                 f"{self._path} is being written by {_in_words(self._holder())}; only one program can write"
@@ -100,7 +103,7 @@ _INSERT_ROW: Final = (
 
 
 class StoredCell(NamedTuple):
-    """A cell in a store, with scenario and settings of its first training."""
+    """A cell in a store, with texts of its first training."""
 
     key: str
     identity: str
@@ -109,24 +112,18 @@ class StoredCell(NamedTuple):
 
 
 class Store:
-    """The rows of sweeps in a file, or in a temporary database. Made by `to_write`, `to_read` or
-    `without_file`, for one thread, in a `with` block.
-
-    Raises:
-        UserError: The file cannot be used, or the disk is full.
-    """
+    """The rows of sweeps in a file, for one thread in a `with` block. Raises UserError."""
 
     def __init__(self, database: sqlite3.Connection, name: str, lock: WriterLock | None = None) -> None:
         self._database = database
         self._lock = lock
         self.name = name
-        """Name of the file."""
         self._machines: dict[str, int] = {}
         self._committed = time.monotonic()
 
     @classmethod
     def to_write(cls, path: Path) -> Store:
-        """Open the store at `path` for exclusive writing; create it if needed."""
+        """Open or create the store at `path` for exclusive writing."""
         if not path.name:
             raise UserError(f"{path}: not a file name; expected one such as sweep.sqlite")
         if not path.absolute().parent.is_dir():
@@ -152,7 +149,7 @@ class Store:
 
     @classmethod
     def to_read(cls, path: Path) -> Store:
-        """Open the store at `path` for reading, even while another process writes it."""
+        """Open the store at `path`, even while another process writes it."""
         _check_kind(path)
         if not path.exists():
             raise UserError(f"{path}: no such file; expected {_KIND}")
@@ -196,16 +193,7 @@ class Store:
                 self._lock.release()
 
     def add(self, cell: StoredCell, rows: Iterable[RunRow], machine: str | None = None) -> int:
-        """Add new rows of a cell. They are committed by `commit` or `close`.
-
-        Args:
-            cell: Cell of the rows.
-            rows: Rows to add. Existing ones are skipped.
-            machine: Machine that made them, or None for this one.
-
-        Returns:
-            Number of new rows.
-        """
+        """Add new rows of a cell without a commit, and return their number."""
         with _in_one_line(self.name):
             self._begin()
             self._database.execute("INSERT OR IGNORE INTO cells VALUES (?, ?, ?, ?)", cell)
@@ -220,7 +208,6 @@ class Store:
         return added
 
     def _verify(self, key: str, seeds: set[int]) -> None:
-        """Raise UserError if a row of `seeds` is missing after a write."""
         if not seeds:
             return
         lost = seeds.intersection(self.missing(key, range(min(seeds), max(seeds) + 1)))
@@ -236,13 +223,13 @@ class Store:
             self._database.execute("INSERT OR IGNORE INTO plans VALUES (?, ?)", (plan, _now()))
 
     def plans(self) -> list[str]:
-        """Return the texts of all plans, the first one first."""
+        """Return the texts of all plans, oldest first."""
         with _in_one_line(self.name):
             found = self._database.execute("SELECT plan FROM plans ORDER BY created, plan").fetchall()
         return [self._text(plan) for (plan,) in found]
 
     def commit(self, *, at_once: bool = True) -> None:
-        """Commit pending rows. Unless `at_once`, only after some time."""
+        """Commit pending rows, at once or only after some time."""
         now = time.monotonic()
         if self._database.in_transaction and (at_once or now - self._committed >= COMMIT_EVERY):
             with _in_one_line(self.name):
@@ -263,7 +250,7 @@ class Store:
                 yield self._run(row)
 
     def missing(self, key: str, seeds: range) -> list[int]:
-        """Return the consecutive `seeds` without a row in the cell `key`."""
+        """Return those `seeds` without a row in the cell `key`."""
         wanted = "SELECT seed FROM rows WHERE key = ? AND seed >= ? AND seed < ?"
         with _in_one_line(self.name):
             there = {seed for (seed,) in self._database.execute(wanted, (key, seeds.start, seeds.stop))}
@@ -276,7 +263,7 @@ class Store:
                 yield StoredCell._make(map(self._text, texts))
 
     def rows_by_machine(self, key: str) -> Iterator[tuple[str, RunRow]]:
-        """Yield every row of the cell `key` by seed, with the machine that made it."""
+        """Yield every row of a cell with its machine."""
         wanted = (
             f"SELECT machines.machine, {_COLUMNS} FROM rows JOIN machines ON machines.id = rows.machine "
             "WHERE key = ? ORDER BY seed"
@@ -323,7 +310,6 @@ class Store:
 
 
 def _kept(row: RunRow) -> Iterator[float | None]:
-    """Yield the numbers of `row`, None for an overflow."""
     for figure in map(row.figures.get, FIGURES):
         yield figure if figure is None or math.isfinite(figure) else None
 
@@ -335,7 +321,6 @@ def stored(cell: Cell) -> StoredCell:
 
 @contextmanager
 def _in_one_line(name: str) -> Iterator[None]:
-    """Turn an SQLite error into one line with the name of the file."""
     try:
         yield
     except sqlite3.Error as error:
@@ -350,7 +335,7 @@ def _reason(code: int, said: str) -> str:
         case sqlite3.SQLITE_CORRUPT:
             return f"is damaged ({said}); use a copy, or a new file"
         case sqlite3.SQLITE_FULL:
-            return "the disk is full; what was finished before is kept, and the same line goes on from there"
+            return "the disk is full; finished runs are kept: free some space and repeat the command"
         case sqlite3.SQLITE_READONLY | sqlite3.SQLITE_CANTOPEN | sqlite3.SQLITE_PERM:
             return f"cannot be written ({said})"
         case _:
@@ -358,7 +343,7 @@ def _reason(code: int, said: str) -> str:
 
 
 def _check_kind(path: Path) -> None:
-    """Raise UserError if `path` is a pipe, a device or the like, which would block SQLite."""
+    """Raise UserError for a pipe, a device or the like, which would block SQLite."""
     try:
         check_plain(path, _KIND)
     except UnreadableError as reason:
@@ -394,9 +379,6 @@ def _now() -> str:
 
 
 def _opened_to_read(path: Path) -> sqlite3.Connection:
-    """Open the database at `path` for reading. In a read-only folder nobody can be writing it, so it is
-    opened as immutable.
-    """
     address = path.absolute().as_uri()
     database = sqlite3.connect(f"{address}?mode=ro", uri=True, timeout=_PATIENCE, isolation_level=None)
     try:
@@ -406,4 +388,7 @@ def _opened_to_read(path: Path) -> sqlite3.Connection:
         if path.with_name(f"{path.name}-wal").exists():
             raise
         return sqlite3.connect(f"{address}?immutable=1", uri=True, isolation_level=None)
+    except sqlite3.DatabaseError:  # not a database
+        database.close()
+        raise
     return database

@@ -1,4 +1,4 @@
-"""The full check of one world: exact results, and short trainings of each algorithm."""
+"""The full check of one world."""
 
 from __future__ import annotations
 
@@ -57,13 +57,9 @@ _CHUNK: Final = 2_000
 class GreedyTrial(NamedTuple):
     """The result of one training.
 
-    Attributes:
-        algorithm: Id of the algorithm.
-        seed: Seed of the training.
-        endless_at: A reachable state from which the learned greedy policy never ends. None if it ends with
-            probability 1, or if a planner had not converged.
-        long_episode: Number, from 1, of an episode that had not ended after 50,000 steps, or None.
-        is_whole: True if all episodes were finished, or the planner converged.
+    The learned greedy policy never ends from the reachable state `endless_at`, or ends with probability 1
+    (None, also for a planner that has not converged). `long_episode` had not ended after 50,000 steps. With
+    `is_whole`, all episodes were finished, or the planner converged.
     """
 
     algorithm: str
@@ -74,7 +70,7 @@ class GreedyTrial(NamedTuple):
 
     @property
     def may_never_end(self) -> bool:
-        """True if the greedy policy, or an episode of training, may never end."""
+        """True if the greedy policy or a training may never end."""
         return self.endless_at is not None or self.long_episode is not None
 
     @property
@@ -84,7 +80,7 @@ class GreedyTrial(NamedTuple):
 
 
 def may_stay(mdp: TabularMDP) -> bool:
-    """Return True if some policy may never end. Otherwise no trial is needed."""
+    """Return True if some policy may never end."""
     return bool(staying_states(exact_model(mdp), np.ones(mdp.pairs, dtype=np.bool_)).any())
 
 
@@ -94,25 +90,14 @@ def is_tried(mdp: TabularMDP) -> bool:
 
 
 def suitable(mdp: TabularMDP, hyperparameters: Hyperparameters) -> tuple[str, ...]:
-    """Return the ids of the algorithms that can learn in `mdp` with these settings."""
+    """Return the algorithms that can learn in `mdp`."""
     return tuple(each for each in BY_ID if not incompatibility(mdp, each, hyperparameters))
 
 
 def trials(
     mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episodes: int
 ) -> Iterator[GreedyTrial]:
-    """Train for each of `SEEDS`, with the same results for the same arguments. A planner needs only one
-    trial.
-
-    Args:
-        mdp: World.
-        algorithm: Id of a `suitable` algorithm.
-        hyperparameters: Settings.
-        episodes: Most episodes, besides at most `MOST_STEPS` steps.
-
-    Yields:
-        A trial for each seed.
-    """
+    """Train for each of `SEEDS` (a planner once), with equal results for equal arguments."""
     seeds, patience = SEEDS[:1] if BY_ID[algorithm].planner else SEEDS, Patience()
     for number, seed in enumerate(seeds):
         learner = Learner(mdp, algorithm, hyperparameters, streams(seed))
@@ -127,7 +112,6 @@ def trials(
 def _trial(
     mdp: TabularMDP, learner: Learner, seed: int, wanted: int, look: Callable[[Learner], None]
 ) -> GreedyTrial:
-    """Train `learner` for `wanted` episodes (or a planner's backups), with `look` after every chunk."""
     is_long, stop = False, Stop.DONE
     while learner.step < MOST_STEPS and learner.episodes < wanted and not is_long:
         stop = learner.advance(min(_CHUNK, MOST_STEPS - learner.step), wanted - learner.episodes)
@@ -157,7 +141,7 @@ TOO_LARGE: Final = f"not computed above {MOST_STATES:,} states"
 
 
 class Question(NamedTuple):
-    """A world to check with settings. `episodes` are those of a full training."""
+    """A world to check, with settings and episodes of a full training."""
 
     mdp: TabularMDP
     algorithm: str
@@ -166,27 +150,28 @@ class Question(NamedTuple):
 
 
 def work(asked: Question, tell: Callable[[WorldReport, float], None]) -> None:
-    """Compute the report and send it as it grows. This is the work of a background process."""
+    """Send the report as it grows, from a background process."""
     bound_processor_time(MOST_SECONDS)
     for report in reports(asked):
         tell(report, list(BY_ID).index(report.trying) / len(BY_ID) if report.trying else 0.0)
 
 
 def without_table() -> WorldReport:
-    """Return the report on a simulated world, about which nothing is known."""
+    """Return the report on a simulated world."""
     return WorldReport(warnings=(f"no exact checks: {NO_TABLE}",))
 
 
 def deep_check(asked: Question) -> WorldReport:
-    """Return the full report on the world of `asked`. Everything is exact except `endless`, which depends
-    on limited trainings (see `TrialsMade`). Equal questions have equal answers, whatever their duration.
+    """Return the full report, equal for equal questions.
+
+    Everything is exact except `endless`, which depends on limited trainings (see `TrialsMade`).
     """
     *_, report = reports(asked)
     return report
 
 
 def reports(asked: Question) -> Iterator[WorldReport]:
-    """Yield the report as it grows: exact results, flip points, then each algorithm."""
+    """Yield the report as it grows."""
     report = _figures(asked)
     yield report
     report = _with_flips(report, asked.mdp)
@@ -195,7 +180,6 @@ def reports(asked: Question) -> Iterator[WorldReport]:
 
 
 def _figures(asked: Question) -> WorldReport:
-    """Return all exact results except flip points."""
     mdp, unknown = asked.mdp, dict[str, str]()
     random_return, best_return = _returns(mdp, unknown)
     first = _first_wait(asked, unknown)
@@ -213,7 +197,6 @@ def _figures(asked: Question) -> WorldReport:
 
 
 def _returns(mdp: TabularMDP, unknown: dict[str, str]) -> tuple[float | None, float | None]:
-    """Return the returns of the random and the best policy, and record in `unknown` why one is missing."""
     if mdp.states > MOST_STATES:
         unknown |= {"random_return": TOO_LARGE, "best_return": TOO_LARGE}
         return None, None
@@ -239,7 +222,7 @@ def _shortest_way(mdp: TabularMDP, gamma: float, unknown: dict[str, str]) -> int
         unknown[name] = "an episode of the best policy never ends"
     elif mdp.time_limit and steps > mdp.time_limit:
         limit = counted(mdp.time_limit, "step")
-        unknown[name] = f"the end is {steps:,} steps away, but an episode stops after {limit}"
+        unknown[name] = f"the goal is {steps:,} steps away, but an episode stops after {limit}"
         return None
     return steps
 
@@ -256,12 +239,11 @@ def _first_wait(asked: Question, unknown: dict[str, str]) -> Wait | None:
 
 
 def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
-    """Return a warning if `episodes` of training will probably teach nothing."""
     if wait is not None and wait.chance == 0.0:
-        return ("nothing is ever learned: no episode can reach an outcome that changes an estimate",)
+        return ("the agent can never learn: no outcome that it can reach changes an estimate",)
     if wait is None or wait.median_episodes is None or wait.median_episodes <= episodes:
         return ()
-    training = f"and a training has {counted(episodes, 'episode')}"
+    training = f"but training has only {counted(episodes, 'episode')}"
     return (f"{wait_in_words(wait)}, {training}: rl-tui why shows a remedy",)
 
 
@@ -275,7 +257,6 @@ def _with_flips(report: WorldReport, mdp: TabularMDP) -> WorldReport:
 
 
 def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
-    """Yield `report` before each algorithm, with those that may never end, and at the end."""
     mdp, settings, episodes = asked.mdp, asked.hyperparameters, min(MOST_EPISODES, asked.episodes)
     warning = endless_warning_in(mdp, settings, asked.episodes)
     known = (*report.warnings, *([warning] if warning else []))
@@ -311,7 +292,7 @@ def _may_never_end(made: Sequence[GreedyTrial]) -> tuple[str, ...]:
 
 
 def _warnings(made: Sequence[GreedyTrial], mdp: TabularMDP, episodes: int) -> list[str]:
-    """Return warnings for the trials in `made`. With a time limit or endless states, they are not needed."""
+    """Return warnings for the trials, none with a time limit or endless states."""
     said = []
     greedy = [trial for trial in made if trial.endless_at is not None]
     if greedy:
@@ -322,12 +303,11 @@ def _warnings(made: Sequence[GreedyTrial], mdp: TabularMDP, episodes: int) -> li
         )
     long = [trial for trial in made if trial.long_episode is not None]
     if long:
-        said.append(f"with {_names(long)} an episode of training may take very long, or never end: {REMEDY}")
+        said.append(f"with {_names(long)}, a training episode may take very long or never end: {REMEDY}")
     return said
 
 
 def _names(made: Sequence[GreedyTrial]) -> str:
-    """Return the names of the algorithms in `made`, or their number if there are many."""
     found = tuple(dict.fromkeys(trial.algorithm for trial in made))
     is_short = len(found) <= _MOST_NAMED or len(found) == len(BY_ID)
     return names(found) if is_short else f"{len(found)} of {len(BY_ID)} algorithms"

@@ -1,4 +1,4 @@
-"""Texts of a world check, for the screen and for reports."""
+"""Texts of a world check."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Final, NamedTuple
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.words import counted
-from rl_tui.runs.answers.first_update_words import wait_in_words
+from rl_tui.runs.answers.first_update_words import CHANCE_OF, number_in_words, wait_in_words
 from rl_tui.studies.world_check.report import CheckStage, WorldReport
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 NOT_KNOWN: Final = "not known"
 _MOST_NAMED: Final = 12
 _DECIMALS: Final = 5
-_DIGITS: Final = 6
+_DIGITS: Final = 4
 
 LABELS: Final[Mapping[str, str]] = {
     "random_return": "random policy",
@@ -32,7 +32,7 @@ _STAGES: Final[Mapping[str, CheckStage]] = {"flips": CheckStage.FLIPS, "endless"
 
 
 class Row(NamedTuple):
-    """One line about a `field`: a number or text, and a remark. Both are empty while pending."""
+    """One line about a `field`, without texts while pending."""
 
     field: str
     figure: str = ""
@@ -42,17 +42,10 @@ class Row(NamedTuple):
 def rows(
     report: WorldReport, space: FiniteSpace, gamma: float, name_of: Callable[[int], str] | None = None
 ) -> list[Row]:
-    """Return a row for each of `LABELS`.
-
-    Args:
-        report: The report.
-        space: States of the world.
-        gamma: γ of the shortest path.
-        name_of: Returns the name of a state.
-    """
+    """Return a row for each of `LABELS`. `gamma` is for the shortest path."""
     name = name_of or space.state_names.__getitem__
     limit = f", within {counted(space.time_limit, 'step')}" if space.time_limit else ""
-    best = "choosing by the clock" if limit else "per episode"
+    best = "may use the clock" if limit else "per episode"
     said: dict[str, Callable[[], Row]] = {
         "random_return": lambda: Row("", _return(report.random_return), f"per episode{limit}"),
         "best_return": lambda: Row("", _return(report.best_return), best),
@@ -76,7 +69,7 @@ def _row(report: WorldReport, field: str, known: Callable[[], Row]) -> Row:
 
 
 def warnings(report: WorldReport) -> tuple[str, ...]:
-    """Return all warnings and reasons for unknown results, one line each."""
+    """Return all warnings and reasons for unknown results."""
     return (*report.warnings, *(f"{LABELS[field]}: {reason}" for field, reason in report.unknown.items()))
 
 
@@ -88,7 +81,11 @@ def _return(value: float | None) -> str:
 
 def _first_update(report: WorldReport) -> str:
     assert report.first_update is not None
-    return wait_in_words(report.first_update)
+    return wait_in_words(report.first_update, _rounded).removeprefix(CHANCE_OF)
+
+
+def _rounded(number: float) -> str:
+    return number_in_words(float(f"{number:.3g}"))
 
 
 def _flips(report: WorldReport) -> str:
@@ -109,7 +106,7 @@ def _some(states: Sequence[int] | None, name: Callable[[int], str]) -> str:
 
 
 def _no_way_out(report: WorldReport, space: FiniteSpace, name: Callable[[int], str]) -> str:
-    ended = _ended_by(space, "what comes there") if report.endless_states else ""
+    ended = _ended_by(space, "episodes there") if report.endless_states else ""
     return _some(report.endless_states, name) + ended
 
 
@@ -122,14 +119,14 @@ def _endless(report: WorldReport, space: FiniteSpace) -> tuple[str, str]:
     most = f"{tried.steps:,} steps"
     how = f"seeds {tried.seeds[0]}–{tried.seeds[-1]}: {counted(tried.episodes, 'episode')} or {most}"
     if tried.in_part:
-        how += f"; {names(tried.in_part)} reached the steps first"
+        how += f"; {names(tried.in_part)} used all steps first"
     if not found:
         return "none found", how
-    return f"a greedy policy of {names(found)}{_ended_by(space, 'it')}", how
+    return f"greedy policies of {names(found)}{_ended_by(space, 'them')}", how
 
 
 def _ended_by(space: FiniteSpace, what: str) -> str:
-    return f"; the {counted(space.time_limit, 'step')} of an episode end {what}" if space.time_limit else ""
+    return f"; the time limit of {counted(space.time_limit, 'step')} ends {what}" if space.time_limit else ""
 
 
 def names(algorithms: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""The check of the visible world with its current settings, on request."""
+"""The check of the visible world, on request."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ KEPT: Final = 4
 """Complete reports that are cached, for worlds and settings visited again."""
 IN_KIOSK: Final = "the world check is not available in a kiosk"
 TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: run rl-tui check --deep"
-NO_PROCESS: Final = "no process can be started"
-BROKEN_OFF: Final = "the rest took too long, or its process was ended"
+NO_PROCESS: Final = "cannot start a process"
+BROKEN_OFF: Final = "the rest took too long, or its process was killed"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +39,6 @@ class WorldCheckView:
     world: World | None = None
     """The checked world, or None without a report."""
     gamma: float = 0.0
-    """γ of the check."""
     refused: str = ""
     """Reason for a missing or incomplete report, else empty."""
     how_long: str = ""
@@ -49,7 +48,7 @@ class WorldCheckView:
 
 
 def why_unchecked(world: World) -> str:
-    """Return the reason why `world` is not checked, or ""."""
+    """Return why `world` is not checked, or ""."""
     if in_kiosk():
         return IN_KIOSK
     if world.mdp is None:
@@ -58,10 +57,10 @@ def why_unchecked(world: World) -> str:
 
 
 class WorldChecks:
-    """Checks one world at a time in a background process. An outdated check continues until its exact
-    results are known, so that not every stroke of many starts a new one. `on_news` is called from any
-    thread when there is news. With `automatic` off, each check is awaited, so that results do not depend
-    on timing.
+    """Checks one world at a time in a background process.
+
+    An outdated check continues until its exact results are known, so that not every stroke of many starts a
+    new one. `on_news` is called from any thread. Without `automatic` each check is awaited.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -72,7 +71,7 @@ class WorldChecks:
         self._last = WorldCheckView()
 
     def of(self, run: Run) -> WorldCheckView:
-        """Return the check of the world of `run` so far, and continue it."""
+        """Return the check of `run` so far, and continue it."""
         mdp, refused = run.world.mdp, why_unchecked(run.world)
         if mdp is None or refused:
             self.end()
@@ -98,7 +97,6 @@ class WorldChecks:
         return replace(last, refused="", is_outdated=True)
 
     def _begin(self, asked: Question, world: World) -> _Process | None:
-        """Start to answer `asked`. Return None if no process can be started."""
         self._world = world
         try:
             process = self._background.begin(asked, None)
@@ -130,7 +128,6 @@ class WorldChecks:
 
 
 def _has_figures(process: _Process) -> bool:
-    """Return True if there is something to show, even a failure."""
     return process.known is not None or bool(process.failed)
 
 
@@ -139,7 +136,6 @@ def _is_whole(report: WorldReport | None) -> bool:
 
 
 def _question(run: Run, mdp: TabularMDP) -> Question:
-    """Return the question about the world of `run`: with the current settings from the start."""
     from rl_tui.studies.world_check.deep_check import Question
 
     learner, recipe = run.learner, run.recipe

@@ -1,7 +1,6 @@
 """The base class of drafts (worlds being edited, valid or not), and the draft of a bandit.
 
-A draft never changes; an edit returns a new one. Rows, columns, arms and states keep their identity when
-edits move them.
+Rows, columns, arms and states keep their identity when edits move them.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from rl_tui.common.errors import UserError
+from rl_tui.common.errors import UserError, complaint
 from rl_tui.common.findings import Finding, near, place, shown
 from rl_tui.common.limits import MOST_ARMS
 from rl_tui.common.streams import streams
@@ -31,18 +30,18 @@ if TYPE_CHECKING:
 
 
 class UnfinishedError(UserError):
-    """A draft that is not a valid MDP yet. `findings` gives the reasons."""
+    """A draft that is not a valid MDP yet."""
 
     def __init__(self, kind: str, findings: Sequence[Finding]) -> None:
         first, more = findings[0], len(findings) - 1
         where = place((kind, *first.location))
         others = f" (and {more} more)" if more else ""
-        super().__init__(f"{where} is {first.found}; expected {first.expected}{others}")
+        super().__init__(f"{where}: {complaint(first.found, first.expected)}{others}")
         self.findings = tuple(findings)
 
 
 class Draft(ABC):
-    """The table of a world in a file, with random parts written out. Immutable."""
+    """The table of a world, with random parts written out. Immutable."""
 
     kind: ClassVar[str]
     """Name of the table in a scenario file."""
@@ -54,41 +53,33 @@ class Draft(ABC):
     @property
     @abstractmethod
     def table(self) -> dict[str, Any]:
-        """The table as a file would contain it, as a new dictionary."""
+        """The table for a file, as a new dictionary."""
 
     @property
     def size(self) -> int:
-        """Approximate number of states; 0 if they are written one by one and so are few."""
+        """Approximate number of states; 0 if they are written one by one."""
         return 0
 
     @abstractmethod
     def edited(self, edit: Edit) -> Draft:
-        """Return the draft after `edit`.
-
-        Raises:
-            UserError: The place or the value does not exist.
-        """
+        """Return the draft after `edit`, or raise UserError for a missing place or value."""
 
     @abstractmethod
     def state_keys(self, world: World) -> IntArray | Sequence[Hashable]:
-        """Return an identity for each state of `world`, which was built from this draft, [S]."""
+        """Return an identity for each state of the built `world`, [S]."""
 
     def action_keys(self, world: World) -> Sequence[Hashable]:
-        """Return an identity for each action of `world`, which was built from this draft, [A]."""
+        """Return an identity for each action of the built `world`, [A]."""
         return world.space.action_names
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """Reasons why this is not a valid MDP. Empty if it is valid."""
+        """Why this is not a valid MDP. Empty if it is."""
         return _read(self)[1]
 
     @property
     def section(self) -> WorldSection:
-        """The parsed table.
-
-        Raises:
-            UnfinishedError: It is not a valid MDP.
-        """
+        """The parsed table, or UnfinishedError."""
         section, findings = _read(self)
         if section is None or findings:
             raise UnfinishedError(self.kind, findings)
@@ -107,7 +98,6 @@ class Draft(ABC):
 
 @lru_cache(maxsize=2)  # a large map takes a megabyte, and undo holds many drafts
 def _read(draft: Draft) -> tuple[WorldSection | None, tuple[Finding, ...]]:
-    """Return the parsed table, if possible, and all findings."""
     raw = draft.table
     section, findings = parsed(draft.section_class, raw)
     return section, tuple(findings) or tuple(draft.section_class.connection_findings(raw))
@@ -122,7 +112,7 @@ RULES: Final = ("std", "drift")
 
 @dataclass(frozen=True, eq=False)
 class ArmsDraft(Draft):
-    """A bandit draft: means and identities of the arms, and the rest of the table."""
+    """A bandit draft: means and identities of arms, and other rules."""
 
     kind = "bandit"
     section_class = BanditSection
@@ -133,24 +123,20 @@ class ArmsDraft(Draft):
 
     @property
     def table(self) -> dict[str, Any]:
-        """The table as a file would contain it."""
+        """The table for a file."""
         return {"means": list(self.means), **self.rules}
 
     @property
     def is_bernoulli(self) -> bool:
-        """True if an arm pays 1 with its mean as probability, else 0."""
+        """True for rewards of 0 and 1."""
         return self.rules.get("rewards") == BERNOULLI
 
     def edited(self, edit: Edit) -> ArmsDraft:
-        """Return the draft after `edit`.
-
-        Raises:
-            UserError: The place or the value does not exist.
-        """
+        """Return the draft after `edit`."""
         make = _EDITS.get(edit.name)
         if make is None:
             what = f"a bandit has nothing called {shown(edit.name)}{near(edit.name, _EDITS)}"
-            raise UserError(f"{what}; possible are {', '.join(_EDITS)}")
+            raise UserError(f"{what}; choose one of {', '.join(_EDITS)}")
         return make(self, edit)
 
     def state_keys(self, world: World) -> tuple[str, ...]:
@@ -163,7 +149,7 @@ class ArmsDraft(Draft):
 
 
 def arms_draft(scenario: Scenario, seed: int) -> ArmsDraft:
-    """Return the draft of a ``[bandit]`` scenario, with random means drawn from `seed`."""
+    """Return the draft of a bandit, with means drawn from `seed`."""
     section = scenario.section
     assert isinstance(section, BanditSection)
     rules = dict(tables_in(scenario.text)["bandit"])
@@ -181,7 +167,6 @@ def _set_mean(draft: ArmsDraft, edit: Edit) -> ArmsDraft:
 
 
 def _add(draft: ArmsDraft, edit: Edit) -> ArmsDraft:
-    """Insert arms before a place, or remove arms from there on."""
     count, at = lines_added(edit, len(draft.means))
     if not 1 <= len(draft.means) + count <= MOST_ARMS:
         raise UserError(f"a bandit has 1 to {MOST_ARMS:,} arms")

@@ -26,11 +26,10 @@ _CELL: Final = "cell"
 
 
 class Edit(NamedTuple):
-    """One change of a world, as written.
+    """One change of a world, as written. Only the draft checks the content.
 
-    `name` says what changes. `at` is the place: row and column, two ranges such as ``1:4`` (end excluded),
-    state and action, or the number of an arm. It is empty for rules of the whole world. Only the draft checks
-    the content.
+    `at` is the place: row and column, two ranges such as ``1:4`` (end excluded), state and action, or the
+    number of an arm. It is empty for rules of the whole world.
     """
 
     name: str
@@ -39,11 +38,7 @@ class Edit(NamedTuple):
 
 
 def read_edits(text: str) -> tuple[Edit, ...]:
-    """Parse one or more edits, separated by semicolons.
-
-    Raises:
-        ValueError: The text is not a list of edits.
-    """
+    """Parse edits separated by semicolons, or raise ValueError."""
     edits, at = [], 0
     while True:
         edit, at = _read_edit(text, at)
@@ -51,7 +46,7 @@ def read_edits(text: str) -> tuple[Edit, ...]:
         if at == len(text):
             return tuple(edits)
         if text[at] != BETWEEN:
-            raise ValueError(f"{shown(text[at:])} follows {FORM}; separate edits by {BETWEEN}")
+            raise ValueError(f"unexpected {shown(text[at:])} after {FORM}; separate edits by {BETWEEN}")
         at += 1
 
 
@@ -67,7 +62,6 @@ def _read_edit(text: str, start: int) -> tuple[Edit, int]:
 
 
 def _read_places(text: str, at: int) -> tuple[tuple[str, ...], int]:
-    """Return the places in brackets at `at`, if any, and their end."""
     if not text.startswith("[", at):
         return (), at
     places = []
@@ -107,24 +101,20 @@ def _read_json(text: str, at: int) -> tuple[str, int]:
 
 
 def json_in(text: str) -> str:
-    """Return the JSON in `text`, formatted as by :func:`as_json`.
-
-    Raises:
-        ValueError: The text is not one JSON value.
-    """
+    """Format JSON text as :func:`as_json` does, or raise ValueError."""
     value, end = _read_json(text, 0)
     if text[end:].strip():
-        raise ValueError(f"{shown(text[end:])} follows the JSON")
+        raise ValueError(f"unexpected {shown(text[end:])} after the JSON")
     return value
 
 
 def as_json(value: object) -> str:
-    """Return `value` as compact JSON. Equal values give equal texts."""
+    """Return compact JSON. Equal values give equal texts."""
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
 def written_edits(edits: Iterable[Edit]) -> str:
-    """Return `edits` as text that :func:`read_edits` can parse."""
+    """Return text that :func:`read_edits` can parse."""
     return BETWEEN.join(map(_written, edits))
 
 
@@ -144,16 +134,12 @@ _MOST_DIGITS: Final = 18
 
 
 def named(edit: Edit) -> str:
-    """Return the name and place of `edit`, short and printable, such as ``cell[1,2]``."""
+    """Return name and place, short and printable, such as ``cell[1,2]``."""
     return one_line(f"{edit.name}[{','.join(edit.at)}]", _LONGEST_SHOWN)
 
 
 def number_in(edit: Edit) -> float:
-    """Return the value of `edit` as a number.
-
-    Raises:
-        UserError: It is not a number.
-    """
+    """Return the value as a number, or raise UserError."""
     value = plain_value(edit)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
         raise UserError(f"{edit.name} is {shown(edit.value)}; expected a number")
@@ -161,7 +147,7 @@ def number_in(edit: Edit) -> float:
 
 
 def plain_value(edit: Edit) -> Any:
-    """Return the value of `edit`, parsed as JSON if possible, else as text."""
+    """Return the value of `edit`, parsed as JSON if possible."""
     try:
         return json.loads(edit.value, parse_int=_whole_number)
     except (ValueError, RecursionError):
@@ -169,26 +155,17 @@ def plain_value(edit: Edit) -> Any:
 
 
 def _whole_number(digits: str) -> float:
-    """Return the number. Very long ones become floats."""
     return int(digits) if len(digits) <= _MOST_DIGITS else float(digits)
 
 
 def rule_value(edit: Edit) -> Any:
-    """Return the value of an edit of the whole world.
-
-    Raises:
-        UserError: The edit names a place.
-    """
+    """Return the value of an edit without a place, or raise UserError."""
     _check_of_all(edit)
     return plain_value(edit)
 
 
 def rule_number(edit: Edit) -> float:
-    """Return the number of an edit of the whole world.
-
-    Raises:
-        UserError: The edit names a place, or its value is not a number.
-    """
+    """Return the number of an edit without a place, or raise UserError."""
     _check_of_all(edit)
     return number_in(edit)
 
@@ -199,15 +176,9 @@ def _check_of_all(edit: Edit) -> None:
 
 
 def place_in(edit: Edit, what: str, count: int) -> range:
-    """Return the range of lines that `edit` names.
+    """Return the range of `count` existing lines that `edit` names, or raise UserError.
 
-    Args:
-        edit: The edit.
-        what: Name of such a line, for messages.
-        count: Number of existing lines.
-
-    Raises:
-        UserError: The edit does not name one existing range.
+    `what` is a line's name for messages.
     """
     if len(edit.at) != 1:
         raise UserError(f"{named(edit)}: expected one {what}")
@@ -215,15 +186,9 @@ def place_in(edit: Edit, what: str, count: int) -> range:
 
 
 def places_in(edit: Edit, first: tuple[str, int], second: tuple[str, int]) -> tuple[range, range]:
-    """Return the two ranges that `edit` names.
+    """Return the two ranges that `edit` names, or raise UserError.
 
-    Args:
-        edit: The edit.
-        first: Name of the first kind of line, and the number of lines.
-        second: The same for the second kind.
-
-    Raises:
-        UserError: The edit does not name two existing ranges.
+    Each kind of line has a name and a number of existing ones.
     """
     if len(edit.at) != 2:
         raise UserError(f"{named(edit)}: expected a {first[0]} and a {second[0]}")
@@ -244,12 +209,8 @@ def _range(edit: Edit, text: str, what: str, count: int) -> range:
 def lines_added(edit: Edit, count: int) -> tuple[int, int]:
     """Parse the insertion of lines, ``+1@3``, or their removal, ``-2@3`` (two lines from 3 on).
 
-    Args:
-        edit: The edit.
-        count: Number of existing lines.
-
     Returns:
-        Number of lines to add (negative: to remove), and the line where this happens.
+        Number of lines to add (negative: to remove), and the first line.
 
     Raises:
         UserError: The form is wrong, or the lines do not exist.
@@ -257,7 +218,7 @@ def lines_added(edit: Edit, count: int) -> tuple[int, int]:
     match = _LINES.fullmatch(edit.value)
     if match is None or edit.at or int(match[1]) == 0:
         raise UserError(
-            f"{edit.name} is {shown(edit.value)}; expected for example +1@3: one more, before number 3"
+            f"{edit.name} is {shown(edit.value)}; expected a change such as +1@3 (add one before number 3)"
         )
     added, at = int(match[1]), int(match[2])
     if at > count or at - min(added, 0) > count:

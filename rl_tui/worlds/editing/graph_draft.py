@@ -1,4 +1,4 @@
-"""The draft of an ``[mdp]`` table: transitions, start, and places of the states in the drawing."""
+"""The draft of an ``[mdp]`` table: transitions, start, and places of states."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _AROUND: Final = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (1, -1), (-
 
 @dataclass(frozen=True, eq=False)
 class GraphDraft(Draft):
-    """A graph draft: transitions in file order, and the rest of the table."""
+    """Transitions in file order, and the rest of the table."""
 
     kind = "mdp"
     section_class = MDPSection
@@ -38,27 +38,23 @@ class GraphDraft(Draft):
 
     @property
     def table(self) -> dict[str, Any]:
-        """The table as a file would contain it."""
+        """The table for a file."""
         return {**self.rules, "transition": [dict(each) for each in self.transitions]}
 
     @cached_property
     def states(self) -> tuple[str, ...]:
-        """All mentioned states, in the order of first mention."""
+        """All states, in the order of first mention."""
         return tuple(dict.fromkeys(_mentioned(self.transitions)))
 
     def edited(self, edit: Edit) -> GraphDraft:
-        """Return the draft after `edit`.
-
-        Raises:
-            UserError: The place or the value does not exist.
-        """
+        """Return the draft after `edit`."""
         if edit.name in RULES:
             return replace(self, rules={**self.rules, edit.name: rule_value(edit)})
         make = _EDITS.get(edit.name)
         if make is None:
             known = (*_EDITS, *RULES)
             what = f"a graph has nothing called {shown(edit.name)}{near(edit.name, known)}"
-            raise UserError(f"{what}; possible are {', '.join(known)}")
+            raise UserError(f"{what}; choose one of {', '.join(known)}")
         return make(self, edit)
 
     def state_keys(self, world: World) -> Sequence[str]:
@@ -77,7 +73,7 @@ class GraphDraft(Draft):
 
 
 def graph_draft(scenario: Scenario, seed: int) -> GraphDraft:
-    """Return the draft of an ``[mdp]`` scenario. The seed has no influence.
+    """Return the draft of an ``[mdp]`` scenario, whatever the seed.
 
     Raises:
         UserError: The agent cannot tell some states apart (seen_as), which no edit can express.
@@ -99,7 +95,6 @@ def _mentioned(transitions: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
-    """Set the transition of a pair; null removes it."""
     state, action = _pair(edit)
     index = draft.index(state, action)
     entry = plain_value(edit)
@@ -111,7 +106,7 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
     elif not isinstance(entry, Mapping):
         raise UserError(f'{named(edit)} is {shown(edit.value)}; expected {{"to":…,"reward":…}}')
     elif (entry.get("state", state), entry.get("action", action)) != (state, action):
-        raise UserError(f"{named(edit)} names another state or action: leave them out of its table")
+        raise UserError(f"{named(edit)}: the table must not name another state or action")
     else:
         entry = {"state": state, "action": action, **entry}
         # next to the other actions of its state, for a readable file
@@ -126,7 +121,6 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
 
 
 def _check_size(draft: GraphDraft) -> None:
-    """Raise UserError if `draft` exceeds the limits of a file."""
     actions = len({each.get("action") for each in draft.transitions})
     for name, count, most in (
         ("states", len(draft.states), MOST_STATES_WRITTEN),
@@ -138,7 +132,7 @@ def _check_size(draft: GraphDraft) -> None:
 
 
 def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
-    """Remove a state and everything that leads there. Other outcomes share its chance."""
+    # Other outcomes share its chance
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if plain_value(edit) is not None:
         raise UserError(f"{named(edit)} is {shown(edit.value)}; expected null, which removes it")
@@ -154,7 +148,7 @@ def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
 
 
 def _without_start(rules: Mapping[str, Any], state: str) -> Mapping[str, Any]:
-    """Remove `state` from the starts in `rules`. Other starts share its chance."""
+    # Other starts share its chance
     starts = chances_of({"to": rules.get("start")})
     if state not in starts:
         return rules
@@ -170,7 +164,7 @@ def _pair(edit: Edit) -> tuple[str, str]:
 
 
 def _with_places(draft: GraphDraft, near_to: str) -> GraphDraft:
-    """Place new states near `near_to`, and drop the places of removed states."""
+    # New states are placed near `near_to`
     before = draft.rules.get("place")
     if not isinstance(before, Mapping):
         return draft
@@ -184,7 +178,7 @@ def _with_places(draft: GraphDraft, near_to: str) -> GraphDraft:
 
 
 def _free_places(place: Mapping[str, Sequence[int]], origin: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield free places in the drawing, nearest to `origin` first."""
+    """Yield the free places nearest to `origin` first."""
     taken = {tuple(at) for at in place.values()}
     for distance in range(1, LARGEST_PLACE):
         for columns, rows in _AROUND:
@@ -195,7 +189,7 @@ def _free_places(place: Mapping[str, Sequence[int]], origin: Sequence[int]) -> I
 
 
 def _put(draft: GraphDraft, edit: Edit) -> GraphDraft:
-    """Move a state to another place. A state already there swaps places with it."""
+    # A state already there swaps places with it
     at = plain_value(edit)
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if state not in draft.states:
@@ -217,7 +211,7 @@ _EDITS: Final[Mapping[str, Callable[[GraphDraft, Edit], GraphDraft]]] = {
 
 
 def chances_of(entry: Mapping[str, Any]) -> dict[str, float]:
-    """Return the chance of each next state in a transition, as far as it is given."""
+    """Return the given chances of next states."""
     to = entry.get("to")
     if isinstance(to, str):
         return {to: 1.0}
@@ -231,12 +225,7 @@ def chances_of(entry: Mapping[str, Any]) -> dict[str, float]:
 def with_chance(entry: Mapping[str, Any], state: str, chance: float) -> dict[str, Any]:
     """Set the chance of one next state. The others keep their proportions in the rest.
 
-    If the others had no chance before, they share the rest evenly. A single outcome stays certain.
-
-    Args:
-        entry: The transition.
-        state: Next state to change.
-        chance: New chance, 0 to 1.
+    If they had no chance before, they share it evenly. A single outcome stays certain.
     """
     chances = chances_of(entry)
     others = {name: share for name, share in chances.items() if name != state}
@@ -261,15 +250,12 @@ def with_chance(entry: Mapping[str, Any], state: str, chance: float) -> dict[str
 
 
 def without_outcome(entry: Mapping[str, Any], state: str) -> dict[str, Any]:
-    """Remove `state` from the outcomes of `entry`. The others share its chance.
-
-    There must be other outcomes.
-    """
+    """Remove one of several outcomes. The others share its chance."""
     rest = with_chance(entry, state, 0.0)
     return {**rest, "to": {name: outcome for name, outcome in rest["to"].items() if name != state}}
 
 
 def transition_edit(state: str, action: str, entry: Mapping[str, Any] | None) -> Edit:
-    """Return the edit that sets the transition of a pair to `entry`, or removes it if None."""
+    """Return the edit that sets a transition, or removes it if None."""
     value = None if entry is None else {k: v for k, v in entry.items() if k not in _PAIR}
     return Edit("transition", (state, action), as_json(value))

@@ -1,4 +1,4 @@
-"""The draft of a map: cells, rewards, rules of movement, rows and columns."""
+"""The draft of a map: cells, rewards, rules, rows and columns."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ RULES: Final = tuple(name for name in GridSection.model_fields if name not in _N
 
 @dataclass(frozen=True, eq=False)
 class GridDraft(Draft):
-    """A map draft: rows of characters, and the rest of the table.
+    """Rows of characters, and the rest of the table.
 
-    `row_ids` and `column_ids` identify lines even when they move; a new line takes `next_id`. `minted` are
-    characters invented for single rewards. They disappear with their last cell.
+    Lines keep their `row_ids` and `column_ids` even when they move; a new line takes `next_id`. Characters
+    invented for single rewards, `minted`, disappear with their last cell.
     """
 
     kind = "grid"
@@ -58,7 +58,7 @@ class GridDraft(Draft):
 
     @property
     def table(self) -> dict[str, Any]:
-        """The table as a file would contain it."""
+        """The table for a file."""
         return {"map": "\n".join(self.lines) + "\n", **self.rules}
 
     @property
@@ -78,7 +78,7 @@ class GridDraft(Draft):
 
     @property
     def legend(self) -> Mapping[str, LegendEntry]:
-        """Meaning of each character that may appear on the map. Invalid entries are left out."""
+        """Meaning of each valid character."""
         own = {key: parsed(LegendEntry, raw)[0] for key, raw in self._raw_legend.items()}
         return {**BUILT_IN, **{key: entry for key, entry in own.items() if entry is not None}}
 
@@ -88,22 +88,18 @@ class GridDraft(Draft):
         return legend if isinstance(legend, Mapping) else {}
 
     def edited(self, edit: Edit) -> GridDraft:
-        """Return the draft after `edit`.
-
-        Raises:
-            UserError: The place or the value does not exist.
-        """
+        """Return the draft after `edit`."""
         if edit.name in RULES:
             return replace(self, rules={**self.rules, edit.name: rule_value(edit)})
         make = _EDITS.get(edit.name)
         if make is None:
             known = (*_EDITS, *RULES)
             what = f"a map has nothing called {shown(edit.name)}{near(edit.name, known)}"
-            raise UserError(f"{what}; possible are {', '.join(known)}")
+            raise UserError(f"{what}; choose one of {', '.join(known)}")
         return make(self, edit)
 
     def state_keys(self, world: World) -> IntArray:
-        """Return an identity made of row and column for each state of `world`, [S]."""
+        """Return an identity of row and column for each state, [S]."""
         import numpy as np
 
         assert isinstance(world.drawing, Grid)
@@ -119,7 +115,7 @@ class GridDraft(Draft):
 
 
 def grid_draft(scenario: Scenario, seed: int) -> GridDraft:
-    """Return the draft of a ``[grid]`` scenario, with a random map drawn from `seed`."""
+    """Return the draft of a ``[grid]`` scenario, with a map drawn from `seed`."""
     section = scenario.section
     assert isinstance(section, GridSection)
     rules = dict(tables_in(scenario.text)["grid"])
@@ -130,12 +126,7 @@ def grid_draft(scenario: Scenario, seed: int) -> GridDraft:
 
 
 def draft_of_lines(lines: list[str], rules: Mapping[str, Any]) -> GridDraft:
-    """Return a new draft of a map.
-
-    Args:
-        lines: Rows of characters.
-        rules: The rest of the table.
-    """
+    """Return a new draft of rows of characters and other rules."""
     rows, columns = len(lines), len(lines[0])
     return GridDraft(tuple(lines), dict(rules), tuple(range(rows)), tuple(range(columns)), max(rows, columns))
 
@@ -154,7 +145,6 @@ def _set_cells(draft: GridDraft, edit: Edit) -> GridDraft:
 
 
 def _with_cells(draft: GridDraft, rows: range, columns: range, other: Callable[[str], str]) -> GridDraft:
-    """Replace cells of some rows and columns by `other` of the old text."""
     lines = list(draft.lines)
     for row in rows:
         line = lines[row]
@@ -164,7 +154,6 @@ def _with_cells(draft: GridDraft, rows: range, columns: range, other: Callable[[
 
 
 def _tidied(draft: GridDraft) -> GridDraft:
-    """Remove invented characters that no longer appear on the map."""
     gone = {each for each in draft.minted if not any(each in line for line in draft.lines)}
     if not gone:
         return draft
@@ -189,7 +178,6 @@ def _set_reward(draft: GridDraft, edit: Edit) -> GridDraft:
 def _character_paying(
     draft: GridDraft, character: str, entry: LegendEntry, reward: float
 ) -> tuple[GridDraft, str]:
-    """Return the draft and a character for cells like `entry` with the reward `reward`."""
     if entry.pays == reward:
         return draft, character
     wanted = entry.model_copy(update={"reward": reward})
@@ -208,7 +196,6 @@ def _character_paying(
 
 
 def _define(draft: GridDraft, edit: Edit) -> GridDraft:
-    """Set the meaning of a character; an empty value removes it."""
     (character,) = edit.at if len(edit.at) == 1 else ("",)
     if not is_character(character):
         raise UserError(f"{named(edit)}: expected one character")
@@ -224,7 +211,6 @@ def _define(draft: GridDraft, edit: Edit) -> GridDraft:
 
 
 def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
-    """Set the wind of some lines, or of all lines by a list."""
     what, count = ("column", draft.columns) if edit.name == "wind" else ("row", draft.rows)
     value = plain_value(edit)
     if not edit.at:
@@ -242,7 +228,6 @@ def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
 
 
 def _resize(draft: GridDraft, edit: Edit) -> GridDraft:
-    """Insert rows or columns of floor, or remove some."""
     is_rows = edit.name == "rows"
     ids = draft.row_ids if is_rows else draft.column_ids
     count, at = lines_added(edit, len(ids))

@@ -29,14 +29,14 @@ GROUPS: Final = (
 
 
 class Catalogue(NamedTuple):
-    """All scenarios in the order of the start screen, and the errors of unreadable files."""
+    """All scenarios in order, and the errors of unreadable files."""
 
     scenarios: list[Scenario]
     broken: list[ScenarioError]
 
 
 def user_folder() -> Path:
-    """Return the folder of the user's own scenarios. It may not exist."""
+    """Return the folder of the user's scenarios, which may not exist."""
     try:
         return platformdirs.user_config_path("rl-tui", appauthor=False) / "scenarios"
     except RuntimeError:  # no home folder
@@ -44,9 +44,9 @@ def user_folder() -> Path:
 
 
 def read_catalogue() -> Catalogue:
-    """Read all scenario files: shipped ones by ``order``, then the user's own by ``order``.
+    """Read all scenario files: shipped ones by ``order``, then the user's.
 
-    A file with errors is left out. Environments are not created, which would be slow.
+    Environments are not created.
     """
     catalogue = Catalogue([], [])
     taken: set[str] = set()
@@ -60,7 +60,7 @@ def read_catalogue() -> Catalogue:
                 continue
             if scenario.id in taken:
                 fault = Fault(
-                    str(path), "", f"the name of a scenario of rl-tui, {scenario.id}", "another file name"
+                    str(path), "", f"{scenario.id} is a scenario of rl-tui; choose another file name"
                 )
                 catalogue.broken.append(ScenarioError([fault]))
             else:
@@ -79,15 +79,14 @@ def group_of(scenario: Scenario) -> str:
 
 
 def scenarios() -> list[Scenario]:
-    """Return all readable scenarios: shipped ones in teaching order, then the user's own."""
+    """Return all readable scenarios: shipped ones in teaching order, then the user's."""
     return read_catalogue().scenarios
 
 
 def find(name_or_path: str) -> Scenario:
-    """Return a scenario by id, by path, or by ``gym:ENV_ID``.
+    """Return a scenario by id, by path (with a separator or .toml), or by ``gym:ENV_ID``.
 
-    A path contains a separator or ends in .toml. Except for ``gym:ENV_ID``, environments are not created
-    here: building the world shows if they exist.
+    Only the latter creates an environment here.
 
     Raises:
         ScenarioError: The file has errors.
@@ -95,9 +94,7 @@ def find(name_or_path: str) -> Scenario:
     """
     is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if in_kiosk() and (is_path or name_or_path.startswith(PREFIX)):
-        raise UserError(
-            f"kiosk mode does not open {shown(name_or_path)}: it has only the scenarios of rl-tui list"
-        )
+        raise UserError(f"kiosk mode cannot open {shown(name_or_path)}; choose a scenario from rl-tui list")
     if name_or_path.startswith(PREFIX):
         return environment_scenario(name_or_path)
     if is_path:
@@ -109,6 +106,8 @@ def find(name_or_path: str) -> Scenario:
     names = [scenario.id for scenario in scenarios()]
     near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
     hint = f"did you mean {', '.join(near)}?" if near else f"choose from {', '.join(names)}"
+    if "." in name_or_path and not in_kiosk():
+        hint = f"expected a name from rl-tui list, FILE{SUFFIX}, or {PREFIX}ENV_ID"
     raise UserError(f"there is no scenario {shown(name_or_path)}: {hint}")
 
 

@@ -27,6 +27,7 @@ from rl_tui.worlds.sections.schema import (
     WorldSection,
     is_table,
     markdown,
+    one_of,
     parsed,
     text,
     unknown_key,
@@ -74,7 +75,7 @@ class ScenarioHead(FileSection):
     panels: Annotated[list[str] | None, Expect("a list of ids of panels", _are_texts)] = None
     notes: Annotated[str, markdown(20_000)] = ""
     order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000
-    answer: Annotated[str | None, Expect(" or ".join(ANSWERS), lambda value: value in ANSWERS)] = None
+    answer: Annotated[str | None, one_of(ANSWERS)] = None
     defaults: Annotated[dict[str, Any], Expect("a table", is_table)] = Field(default_factory=dict)
 
 
@@ -82,11 +83,10 @@ class ScenarioHead(FileSection):
 class Scenario:
     """A scenario file without formal errors.
 
-    `id` is the stem of the file name. `kind` names the table of the world. `defaults` is the raw table of
-    that name; the agents package checks its values. `order` sorts the start screen. `text` is the content of
-    the file, empty without one. `hides_answer` says that exact values start hidden. The start screen shows
-    `guess` (a question), `see` and `try_this`, and runs `preview_steps` steps (None: the default). `panels`
-    are the panels at the start (None: all).
+    `id` is the stem of the file name. `kind` names the table of the world. The values of `defaults` are raw.
+    `order` sorts the start screen. `text` is the content of the file, or empty. `hides_answer`: exact values
+    start hidden. The start screen shows `guess`, `see` and `try_this`, and runs `preview_steps` steps (None:
+    the default). `panels` are those at the start (None: all).
     """
 
     id: str
@@ -109,8 +109,7 @@ class Scenario:
     def build(self, generator: Generator) -> World:
         """Build the world.
 
-        Random parts of it (arms of a bandit, a random map) are the first draws from `generator`. Other worlds
-        draw nothing.
+        Its random parts (arms of a bandit, a random map) are the first draws from `generator`.
 
         Raises:
             ScenarioError: The environment behind the scenario cannot be used.
@@ -125,19 +124,14 @@ class Scenario:
 def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario:
     """Read a scenario file.
 
-    Args:
-        path: The file.
-        ask_environment: True to create a Gymnasium environment and check it too. Without this, errors of the
-            environment appear when the world is built.
+    Without `ask_environment`, errors of a Gymnasium environment appear only when the world is built.
 
     Raises:
         ScenarioError: The file has errors, listed in file order.
     """
     path = Path(path)
     if not is_plain(str(path)):
-        raise ScenarioError(
-            [Fault(shown(str(path)), "", "control characters", "a path without control characters")]
-        )
+        raise ScenarioError([Fault(shown(str(path)), "", "the path has control characters; rename the file")])
     try:
         text = read_text(path)
     except UnreadableError as reason:
@@ -146,12 +140,7 @@ def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario
 
 
 def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scenario:
-    """Parse the content of a scenario file.
-
-    Args:
-        text: The content.
-        path: Its path, for the id and for messages.
-        ask_environment: True to create a Gymnasium environment and check it too.
+    """Parse the content of the scenario file at `path`.
 
     Raises:
         ScenarioError: The text has errors, listed in file order.
@@ -216,13 +205,7 @@ def _read_head(raw: Mapping[str, Any]) -> tuple[ScenarioHead | None, list[Findin
 def unknown_panels(
     location: Location, panels: Iterable[str], known: Sequence[str] = PANEL_IDS
 ) -> Iterator[Finding]:
-    """Yield a finding for each of `panels` that is not a known id.
-
-    Args:
-        location: Location of the findings.
-        panels: Ids to check.
-        known: Known ids.
-    """
+    """Yield a finding for each panel that is not `known`."""
     for panel in panels:
         if panel not in known:
             yield Finding(
@@ -254,7 +237,7 @@ _NOTES: Final = """
 **Try this**
 
 * `space` runs, `+` and `−` change the speed, `s` takes one step.
-* The hyper-parameters are the program's own, not chosen for this environment: find better ones.
+* The settings are defaults, not chosen for this environment. Look for better ones.
 * To keep what you find, write a scenario file with `[gymnasium]`, `id = "{id}"` and your `[defaults]`.
 """
 _BY_TABLE: Final = (
@@ -270,7 +253,7 @@ _STEPPED: Final = (
 def environment_scenario(name: str) -> Scenario:
     """Return a scenario for ``gym:ENV_ID``, with default settings and generated notes.
 
-    This imports gymnasium and creates the environment once.
+    This creates the environment once.
 
     Raises:
         UserError: The environment is not registered, or its states or actions are not discrete.

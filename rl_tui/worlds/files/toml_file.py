@@ -42,7 +42,7 @@ def tables_in(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except RecursionError as error:
-        raise UnreadableError("", "tables within tables, too deep to read", "TOML of a few levels") from error
+        raise UnreadableError("", "tables are nested too deeply; use fewer levels") from error
     except ValueError as error:  # not only TOMLDecodeError: a number with 5,000 digits is a plain ValueError
         message, where = _split(str(error), text)
         comma = _decimal_comma(message, where, text)
@@ -52,30 +52,28 @@ def tables_in(text: str) -> dict[str, Any]:
 
 
 def _check_structure(text: str) -> None:
-    """Refuse text that would take minutes and gigabytes to parse, by a quick estimate."""
+    # A quick estimate, since parsing could take minutes and gigabytes
     structure = _NO_STRUCTURE.sub("s", text)
     if _LONG_KEY.search(structure):
-        raise UnreadableError("", "a key of too many parts", f"at most {MOST_KEY_PARTS} parts, a.b.c")
+        raise UnreadableError("", f"a key has too many parts; use at most {MOST_KEY_PARTS} parts, a.b.c")
     if _LONG_WORD.search(structure):
-        expected = f"numbers and keys of at most {LONGEST_WORD:,} characters"
-        raise UnreadableError("", "a number or a key that is far too long", expected)
+        raise UnreadableError("", f"a number or key is too long; use at most {LONGEST_WORD:,} characters")
     # an inline table has a comma per key, a table two brackets
     values = max(structure.count("="), structure.count(",")) + structure.count("[") // 2
     if values > MOST_VALUES:
-        raise UnreadableError("", f"some {values:,} values", f"at most {MOST_VALUES:,}")
+        raise UnreadableError("", f"about {values:,} values", f"at most {MOST_VALUES:,}")
     named = len(_HEADER.findall(structure)) + len(set(_LIST_HEADER.findall(text)))
     if named > MOST_NAMED_TABLES:
-        expected = f"at most {MOST_NAMED_TABLES:,}, a list of them counted once"
+        expected = f"at most {MOST_NAMED_TABLES:,} (a list of tables counts as one)"
         raise UnreadableError("", f"{named:,} tables", expected)
     # all parts of a key except the last are tables; [[mdp.transition]] has one per entry
     parts = structure.count(".") - sum(1 for _ in _FLOAT.finditer(structure))
     tables = named + structure.count("{") + max(parts, structure.count("[["))
     if tables > MOST_TABLES:
-        raise UnreadableError("", f"some {tables:,} tables", f"at most {MOST_TABLES:,}")
+        raise UnreadableError("", f"about {tables:,} tables", f"at most {MOST_TABLES:,}")
 
 
 def _decimal_comma(message: str, place: str, text: str) -> UnreadableError | None:
-    """Return an error if tomllib failed at a number with a decimal comma, else None."""
     match = re.fullmatch(r"line (\d+), column (\d+)", place)
     if match is None or not re.search("Expected (newline|'=')|Unclosed array", message):
         return None
@@ -91,7 +89,6 @@ def _decimal_comma(message: str, place: str, text: str) -> UnreadableError | Non
 
 
 def _split(message: str, text: str) -> tuple[str, str]:
-    """Split tomllib's message into text, and line and column."""
     match = re.fullmatch(r"(.*) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     if match is None:
         return f"not valid TOML ({one_line(message, 200)})", ""

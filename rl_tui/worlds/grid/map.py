@@ -1,6 +1,6 @@
-"""A map of characters and its legend, read from a file or drawn at random.
+"""A map of characters and its legend, from a file or random.
 
-Cells are an array [rows, columns] of indices into the legend.
+Cells are indices into the legend, [rows, columns].
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ Character = Annotated[str, Expect("one character", is_character, with_control_ch
 class LegendEntry(FileSection):
     """The meaning of one character on a map.
 
-    `reward` is the reward for entering or leaving the cell, as the grid says; for goals the default is 1.
-    `terminal` ends the episode on entering, by default in goals and holes. `exit` cells can be entered; their
-    only action ends the episode and pays the reward. From a `jump` cell every action leads to the cell of
-    that character. A `back` cell sends the agent to the start. In an `only` cell other moves stay in place.
+    The grid says if `reward` is for entering or leaving the cell; for goals the default is 1. Entering a
+    `terminal` cell ends the episode, by default in goals and holes. The only action of an `exit` cell ends
+    the episode and pays the reward. From a `jump` cell every action leads to the cell of that character. A
+    `back` cell sends the agent to the start. In an `only` cell other moves stay in place.
     """
 
     kind: Annotated[CellKind, Expect(f"one of {', '.join(KINDS)}", lambda value: value in KINDS)]
@@ -97,32 +97,24 @@ BUILT_IN: Final[Mapping[str, LegendEntry]] = {
 def entry_findings(
     entry: LegendEntry, raw: Mapping[str, Any], moves: Sequence[str] | None
 ) -> Iterator[Finding]:
-    """Yield contradictions inside one legend entry.
-
-    Args:
-        entry: The parsed entry.
-        raw: The entry as written.
-        moves: Moves of the grid, or None if unknown.
-    """
+    """Yield contradictions inside one legend entry. `moves` may be unknown."""
     if entry.is_wall:
         for key in raw:
             if key != "kind":
-                yield Finding((key,), f"{key} in a wall", f"no {key}: a wall cannot be entered")
+                yield Finding((key,), f"a wall cannot be entered; leave out {key}")
         return
     if entry.kind is CellKind.START and entry.ends:
-        yield Finding(("terminal",), "a start that is terminal", "a start that is not terminal")
+        yield Finding(("terminal",), "a start cannot be terminal; leave out terminal")
     elif entry.ends:
         for key in ("exit", "jump", "only", "back"):
             if raw.get(key):
-                yield Finding(
-                    (key,), f"{key} in a terminal cell", f"no {key}, or a cell with terminal = false"
-                )
+                yield Finding((key,), f"a terminal cell has no {key}; leave it out, or set terminal = false")
     else:
         given = [key for key in ("exit", "jump", "only", "back") if raw.get(key)]
         if len(given) > 1:
-            yield Finding((given[1],), f"both {given[0]} and {given[1]}", "only one of them")
+            yield Finding((given[1],), f"{given[0]} and {given[1]} are both set; keep one of them")
     if entry.back and entry.kind is CellKind.START:
-        yield Finding(("back",), "back in a start cell", "no back: it leads to the start")
+        yield Finding(("back",), "a start cannot lead back to itself; leave out back")
     for name in entry.only or ():
         if moves is not None and name not in moves:
             yield Finding(("only",), shown(name), f"moves of this grid: {', '.join(moves)}")
@@ -151,7 +143,7 @@ WAY_CHARACTERS: Final = (START, FLOOR, GOAL)
 
 
 class RandomMap(FileSection):
-    """A random map: start at the top left, goal at the bottom right, holes between."""
+    """A random map from the top left to the bottom right, with holes between."""
 
     rows: Annotated[int, whole_number(1, LONGEST_SIDE)]
     columns: Annotated[int, whole_number(1, LONGEST_SIDE)]
@@ -160,7 +152,7 @@ class RandomMap(FileSection):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CellMap:
-    """A map of cells. `codes`, [rows, columns], are indices into `characters` and `entries`."""
+    """A map whose `codes`, [rows, columns], index `characters` and `entries`."""
 
     codes: CodeArray
     characters: tuple[str, ...]
@@ -191,12 +183,6 @@ def draw_map(
 ) -> CellMap:
     """Draw maps until one has a way to the goal.
 
-    Args:
-        wanted: Size of the map, and share of holes.
-        legend: Meaning of each character.
-        moves: Name of the set of moves.
-        generator: Source of random numbers.
-
     Raises:
         WorldRefusedError: No map with a way was found.
     """
@@ -213,12 +199,12 @@ def draw_map(
             codes.flat[-1] = RANDOM_CHARACTERS.index(GOAL)
             entries = tuple(legend[each] for each in RANDOM_CHARACTERS)
             return CellMap(codes.astype(np.uint8), tuple(RANDOM_CHARACTERS), entries)
-    found = f"holes in {wanted.holes:g} of the cells, and no way to the goal on {attempts:,} maps drawn"
-    raise WorldRefusedError(("random", "holes"), found, "fewer holes")
+    found = f"none of {attempts:,} random maps had a path to the goal; use fewer holes than {wanted.holes:g}"
+    raise WorldRefusedError(("random", "holes"), found)
 
 
 def with_border(cells: BoolArray) -> BoolArray:
-    """Return truth values [rows, columns] with a border of False, flattened row by row."""
+    """Add a border of False to [rows, columns], and flatten it."""
     import numpy as np
 
     return np.pad(cells, 1).ravel()

@@ -1,7 +1,6 @@
-"""The ``[grid]`` table of a scenario file: a map, and the rules for moves on it.
+"""The ``[grid]`` table of a scenario file: a map and its rules.
 
-Contradictions between its entries are found in the raw table. So they are reported together with errors in
-single values.
+Contradictions are found in the raw table, to report them together with errors in single values.
 """
 
 from __future__ import annotations
@@ -50,6 +49,7 @@ from rl_tui.worlds.sections.schema import (
     WorldSection,
     is_table,
     number,
+    one_of,
     parsed,
     sized,
     whole_number,
@@ -68,8 +68,6 @@ _MOST_TOLD: Final = 20
 
 @dataclass(frozen=True, slots=True)
 class _Shape:
-    """Size of the map, and the count of each character on it. Random maps count 2 for several."""
-
     rows: int
     columns: int
     counts: Mapping[str, int]
@@ -83,7 +81,7 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     yield from _slip_findings(raw, known_moves)
     yield from _legend_findings(raw.get("legend"), legend, known_moves)
     if "map" in raw and "random" in raw:
-        yield Finding(("random",), "both map and random", "only one of them")
+        yield Finding(("random",), "map and random are both set; keep one of them")
         return
     if "map" not in raw and "random" not in raw:
         yield Finding(("map",), "nothing", "a map of characters, or random")
@@ -105,7 +103,6 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
 
 
 def _legend(raw: object) -> dict[str, LegendEntry | None]:
-    """Return the meaning of each character, or None for invalid entries."""
     legend: dict[str, LegendEntry | None] = dict(BUILT_IN)
     if isinstance(raw, dict) and len(raw) <= MOST_CHARACTERS:
         legend |= {key: parsed(LegendEntry, entry)[0] for key, entry in raw.items() if is_character(key)}
@@ -113,19 +110,21 @@ def _legend(raw: object) -> dict[str, LegendEntry | None]:
 
 
 def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Iterator[Finding]:
-    """Yield contradictions about slips; `moves` is None if the moves are invalid."""
     noisy, slippery = raw.get("noise") not in (None, 0), raw.get("slippery") is True
     if noisy and slippery:
-        yield Finding(("slippery",), "both noise and slippery", "only one of them")
+        yield Finding(("slippery",), "noise and slippery are both set; keep one of them")
     for key, given in (("noise", noisy), ("slippery", slippery)):
         if given and moves not in (None, *COMPASS):
-            yield Finding((key,), f"{key} with moves = {shown(raw['moves'])}", 'moves = "four", or no slips')
+            known = shown(raw["moves"])
+            yield Finding(
+                (key,),
+                f'{key} does not work with moves = {known}; use moves = "four", or leave out {key}',
+            )
     if raw.get("gusts") is True and not _winds(raw):
-        yield Finding(("gusts",), "gusts without wind", "gusts with wind or wind_rows")
+        yield Finding(("gusts",), "gusts need wind; add wind or wind_rows, or leave out gusts")
 
 
 def _winds(raw: Mapping[str, Any]) -> int:
-    """Return the number of axes along which the wind blows."""
     return sum(isinstance(wind, list) and any(wind) for wind in (raw.get("wind"), raw.get("wind_rows")))
 
 
@@ -142,13 +141,13 @@ def _legend_findings(
 def _form_findings(text: str) -> Iterator[Finding]:
     lines = lines_of(text)
     if not any(lines):
-        yield Finding(("map",), "an empty map", "a line of characters for each row")
+        yield Finding(("map",), "the map is empty; write one line of characters for each row")
         return
     odd = [index for index, line in enumerate(lines) if len(line) != len(lines[0])]
     if odd:
-        others = f" (and {len(odd) - 1} more of another length)" if len(odd) > 1 else ""
-        found = f"line {odd[0] + 1} of length {len(lines[odd[0]])}{others}"
-        yield Finding(("map",), found, f"length {len(lines[0])} in every line, as in line 1")
+        others = f" ({counted(len(odd) - 1, 'more line')} of another length)" if len(odd) > 1 else ""
+        found = f"line {odd[0] + 1} has the length {len(lines[odd[0]])}{others}"
+        yield Finding(("map",), f"{found}; make every line as long as line 1, {len(lines[0])}")
 
 
 def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:
@@ -173,7 +172,7 @@ def _size_findings(
         yield Finding((key,), size, expected)
         return
     if key == "random" and rows * columns < 2:
-        yield Finding((key,), size, "a start and a goal: at least 2 cells")
+        yield Finding((key,), size, "2 cells or more, for a start and a goal")
     ways = 3 if raw.get("slippery") is True or raw.get("noise") not in (None, 0) else 1
     if raw.get("gusts") is True:
         ways *= 3 ** _winds(raw)
@@ -192,35 +191,35 @@ def _wind_findings(raw: Mapping[str, Any], shape: _Shape) -> Iterator[Finding]:
 def _meeting_findings(
     key: str, shape: _Shape, raw: Mapping[str, Any], legend: Mapping[str, LegendEntry | None]
 ) -> Iterator[Finding]:
-    """Yield contradictions between the characters of the map and the legend."""
     unknown = sorted(character for character in shape.counts if character not in legend)
     lines = lines_of(raw["map"]) if unknown else []
     for character in unknown[:_MOST_TOLD]:
-        found = f"{shown(character)} in {first_place(lines, character)}"
-        yield Finding((key,), found, "a character of the legend")
+        found = f"{shown(character)} in {first_place(lines, character)} is not in the legend"
+        yield Finding((key,), f"{found}; add it to [grid.legend]")
     if len(shape.counts) > MOST_CHARACTERS:
         yield Finding((key,), f"{len(shape.counts)} different characters", f"at most {MOST_CHARACTERS}")
     on_map = {each: entry for each in shape.counts if (entry := legend.get(each)) is not None}
     starts = sum(shape.counts[each] for each, entry in on_map.items() if entry.kind is CellKind.START)
     if not unknown and None not in (legend[each] for each in shape.counts) and not starts:
-        yield Finding((key,), "no start", 'a cell of the kind "start", such as S')
+        yield Finding((key,), 'the map has no start; add a cell of the kind "start", such as S')
     leaving = raw.get("rewards") == "leaving"
     for character, entry in sorted(on_map.items()):
         where = ("legend", character)
         if key == "random" and entry.is_wall and character in WAY_CHARACTERS:
-            expected = "a cell that can be entered: a random map needs a path to its goal"
-            yield Finding((*where, "kind"), "wall", expected)
+            found = "walls would block the path to the goal of a random map; choose another kind"
+            yield Finding((*where, "kind"), found)
         if entry.jump is not None:
             yield from _jump_findings((*where, "jump"), entry.jump, shape, legend)
         if entry.back and starts > 1:
-            yield Finding(
-                (*where, "back"), f"back with {starts} starts", "one start: back = true leads there"
-            )
+            found = f"back = true leads to the start, but the map has {starts}; keep one start"
+            yield Finding((*where, "back"), found)
         if leaving and (entry.ends or entry.back) and entry.pays and not entry.is_wall:
             own = raw.get("legend")
             place = where if isinstance(own, dict) and character in own else (key,)
-            found = f"{shown(character)}, which pays {entry.pays:g} but is never left"
-            yield Finding(place, found, 'a cell with exit = true or reward = 0, or rewards = "entering"')
+            found = (
+                f"the agent never leaves cell {shown(character)}, so it never gets the reward {entry.pays:g}"
+            )
+            yield Finding(place, f'{found}; use exit = true, reward = 0, or rewards = "entering"')
 
 
 def _jump_findings(
@@ -228,10 +227,14 @@ def _jump_findings(
 ) -> Iterator[Finding]:
     count, entry = shape.counts.get(target, 0), legend.get(target)
     if count != 1:
-        found = f"{shown(target)}, which is on the map {count:,} times" if count else shown(target)
-        yield Finding(where, found, "a character that is on the map once")
+        found = (
+            f"{shown(target)} occurs {count:,} times on the map"
+            if count
+            else f"{shown(target)} is not on the map"
+        )
+        yield Finding(where, f"{found}; use a character that occurs once")
     elif entry is not None and entry.is_wall:
-        yield Finding(where, f"{shown(target)}, a wall", "a cell that can be entered")
+        yield Finding(where, f"{shown(target)} is a wall; use a cell that can be entered")
 
 
 # The table
@@ -250,9 +253,9 @@ Wind = Annotated[
 class GridSection(WorldSection):
     """The ``[grid]`` table: a `map`, or one drawn at `random`, and the rules.
 
-    `rewards` says if a cell pays on entering or on leaving. A stopped move enters its own cell again.
-    `step_reward` is added to every step except "exit", `bump_reward` to steps stopped by a wall or the edge.
-    `wind` blows upwards per column, `wind_rows` to the right per row, by a number of cells.
+    Entering or leaving a cell pays, as `rewards` says. A stopped move enters its own cell again. Every step
+    except "exit" gets `step_reward`, and stopped steps get `bump_reward`. The `wind` blows upwards per
+    column. To the right it blows by `wind_rows`, per row. Both are in cells.
     """
 
     map: Annotated[
@@ -262,7 +265,7 @@ class GridSection(WorldSection):
         None
     )
     moves: Annotated[str, Expect(f"one of {', '.join(MOVES)}", lambda value: value in tuple(MOVES))] = "four"
-    rewards: Annotated[str, Expect(" or ".join(REWARDS), lambda value: value in REWARDS)] = "entering"
+    rewards: Annotated[str, one_of(REWARDS)] = "entering"
     step_reward: Number = 0.0
     bump_reward: Number = 0.0
     noise: Annotated[float, number(0, 1)] = 0.0
@@ -292,7 +295,7 @@ class GridSection(WorldSection):
         return slips_of(self.noise, self.slippery)
 
     def sketch(self) -> Grid:
-        """Return a grid with the size and wind of the map, without cells."""
+        """Return a grid with size and wind only."""
         lines = lines_of(self.map)
         drawn = self.random
         rows, columns = (len(lines), len(lines[0])) if drawn is None else (drawn.rows, drawn.columns)
@@ -311,7 +314,7 @@ class GridSection(WorldSection):
         return World(mdp, grid_drawing(states, mdp.action_names, self.wind))
 
     def cells(self, generator: Generator) -> CellMap:
-        """Return the map. A random one is drawn from `generator`, exactly as in :meth:`build`."""
+        """Return the map, drawn as in :meth:`build` if random."""
         legend = {**BUILT_IN, **self.legend}
         if self.random is not None:
             return draw_map(self.random, legend, self.moves, generator)

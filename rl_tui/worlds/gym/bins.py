@@ -1,7 +1,7 @@
 """The ``[gymnasium.bins]`` table: it cuts a Box of real numbers into states.
 
-All observations in the same bins are one state to the agent: state aggregation (Sutton & Barto, 2nd ed.,
-section 9.3, there for values). Environments that are too large are refused before memory is allocated.
+This is state aggregation (Sutton & Barto, 2nd ed., section 9.3, there for values). Environments that are too
+large are refused before memory is allocated.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _FAR_TOO_MANY: Final = 10**15
 
 
 def combinations(sizes: Iterable[int]) -> int:
-    """Return the number of combinations of parts with these sizes. Counting stops above 10^15."""
+    """Return the product of `sizes`. Counting stops above 10^15."""
     product = 1
     for size in sizes:
         product *= size
@@ -47,17 +47,7 @@ def combinations(sizes: Iterable[int]) -> int:
 
 
 def check_sizes(name: str, states: int, actions: int, key: str) -> None:
-    """Check that an environment is not too large.
-
-    Args:
-        name: Id of the environment.
-        states: Number of states.
-        actions: Number of actions.
-        key: Key of the file, for the error.
-
-    Raises:
-        WorldRefusedError: There are too many states, actions or pairs.
-    """
+    """Raise WorldRefusedError, naming `key` of the file, if an environment is too large."""
     for what, count, most in (
         ("states", states, MOST_STATES),
         ("actions", actions, MOST_ACTIONS),
@@ -105,11 +95,11 @@ class BinsSection(FileSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield contradictions: lists of different lengths, and empty bins."""
+        """Yield lists of different lengths, and empty bins."""
         if "edges" in raw:
             for key in ("low", "high", "count"):
                 if key in raw:
-                    yield Finding((key,), f"both {key} and edges", "either edges, or low, high and count")
+                    yield Finding((key,), f"{key} and edges are both set; give edges, or low, high and count")
             yield from _edge_findings(raw["edges"])
             return
         if "count" not in raw:
@@ -128,7 +118,7 @@ class BinsSection(FileSection):
         return self.count or [len(edges) + 1 for edges in self.edges or ()]
 
     def known_names(self) -> list[list[str]]:
-        """Return the names of the bins, or blanks of typical length if the file has no bounds."""
+        """Return the names of the bins, or blanks if the file has no bounds."""
         if self.edges is not None:
             return [_range_names(edges) for edges in self.edges]
         counts = self.count or []
@@ -139,10 +129,6 @@ class BinsSection(FileSection):
 
     def states(self, name: str, space: Box) -> BinStates:
         """Return the states of a Box.
-
-        Args:
-            name: Id of the environment.
-            space: Its observation space.
 
         Raises:
             WorldRefusedError: The bins do not fit the Box, or there are too many.
@@ -169,9 +155,8 @@ class BinsSection(FileSection):
                 raise WorldRefusedError(("bins", "high"), f"{most:g}", expected)
             width = (most - least) / count
             if width < _FINEST * max(abs(least), abs(most)) or width == 0.0:
-                found = f"{count:,} bins from {least:g} to {most:g}"
-                expected = "fewer: numbers are not as fine as that"
-                raise WorldRefusedError(("bins", "count", dimension), found, expected)
+                found = f"floating-point numbers cannot separate {count:,} bins from {least:g} to {most:g}"
+                raise WorldRefusedError(("bins", "count", dimension), f"{found}; use fewer bins")
             edges.append([least + width * place for place in range(1, count)])
             names.append(_middle_names(least, width, count))
         return BinStates(edges, names)
@@ -194,19 +179,19 @@ def _length_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
 
 
 def _bounds(name: str, key: str, values: Any, counts: Sequence[int]) -> list[float]:
-    """Return the bounds of the Box. They matter only in dimensions with several bins."""
+    # They matter only in dimensions with several bins
     bounds: list[float] = values.ravel().astype(float).tolist()
     for dimension, count in enumerate(counts):
         if count == 1:
             bounds[dimension] = 0.0 if key == "low" else 1.0
         elif not number().test(bounds[dimension]):
-            found = f"nothing, and no bound of its own in dimension {dimension} of {name}"
-            raise WorldRefusedError(("bins", key), found, "a number for each dimension")
+            found = f"dimension {dimension} has no bound, here or in {name}"
+            raise WorldRefusedError(("bins", key), f"{found}; give a number for each dimension")
     return bounds
 
 
 def _middle_names(low: float, width: float, count: int) -> list[str]:
-    """Return the middles of equal bins, with as few digits as keep them distinct."""
+    # As few digits as keep them distinct
     middles = [low + width * (place + 0.5) for place in range(count)]
     fewest = max(-math.floor(math.log10(width)) - 1, 0)
     if fewest > _MOST_DECIMALS:
@@ -220,7 +205,7 @@ def _middle_names(low: float, width: float, count: int) -> list[str]:
 
 
 def _range_names(edges: Sequence[float]) -> list[str]:
-    """Return the bins between edges as ranges: <a, a..b, >=b."""
+    # <a, a..b, >=b
     if not edges:
         return ["any"]
     for digits in range(6, 18):

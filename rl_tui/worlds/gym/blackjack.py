@@ -1,8 +1,8 @@
 """The exact transition table of Gymnasium's Blackjack (Sutton & Barto, 2nd ed., example 5.1).
 
-Cards come from an infinite deck, so earlier cards are irrelevant. The dealer draws up to 17, including a soft
-17, and shows one card. Gymnasium observes the player's sum, that card, and a usable ace. It does not observe
-a natural (21 with two cards), which pays differently. So naturals are separate states here.
+Cards come from an infinite deck. The dealer draws up to 17, including a soft 17, and shows one card.
+Gymnasium does not observe a natural (21 with two cards), which pays differently, so it is a separate state
+here.
 """
 
 from __future__ import annotations
@@ -28,7 +28,6 @@ _SUMS: Final = tuple(map(str, range(BEST, 3, -1)))
 
 
 def _axes(rows: tuple[str, ...], ends: Mapping[int, str]) -> Axes:
-    """Return the labels of rows and cards, and the names of the ends below, by column."""
     across = len(_CARD_LABELS)
     halves = Title(-1, 0, across, "no usable ace"), Title(-1, _RIGHT, across, "usable ace")
     below = (Title(len(rows) - 2, column - 1, 3, name) for column, name in ends.items())
@@ -41,18 +40,18 @@ TABLE_AXES: Final = _axes(("nat", *_SUMS), _ENDS)
 OBSERVED_AXES: Final = _axes(_SUMS, {_BUST: "bust"})
 OBSERVED_PARTS: Final = (32, 11, 2)
 """Number of sums, dealer's cards and ace values that Gymnasium observes."""
-TABLE_LEGEND: Final = "sum down, dealer's card across, usable ace right"
+TABLE_LEGEND: Final = "sum ↓, card →, usable ace right"
 
 
 class Hand(NamedTuple):
-    """A hand: its sum, whether an ace counts 11, and whether it is a natural."""
+    """A sum, whether an ace counts 11, and whether it is a natural."""
 
     sum: int
     usable_ace: bool
     natural: bool = False
 
     def with_card(self, card: int) -> Hand:
-        """Return the hand with one more card. A sum above 21 is a bust."""
+        """Add a card. A sum above 21 is a bust."""
         if self.usable_ace:
             total = self.sum + card
             return Hand(total, True) if total <= BEST else Hand(total - 10, False)
@@ -63,8 +62,8 @@ class Hand(NamedTuple):
 class BlackjackRules(NamedTuple):
     """Arguments of the environment.
 
-    With `sab` a natural beats everything except a natural, as in the book. Without it, a natural is a normal
-    21, which pays 1.5 instead of 1 if `natural` is true.
+    With `sab` a natural beats everything except a natural, as in the book. Otherwise it is a normal 21, with
+    the reward 1.5 instead of 1 if `natural` is true.
     """
 
     sab: bool
@@ -77,12 +76,7 @@ def is_blackjack(environment: Any) -> bool:
 
 
 def blackjack_world(environment: Any, time_limit: int) -> World:
-    """Return the exact world of an unwrapped Blackjack environment.
-
-    Args:
-        environment: The environment, for its rules.
-        time_limit: Time limit in steps; 0: none.
-    """
+    """Return the world of an unwrapped environment (time limit 0: none)."""
     rules = BlackjackRules(bool(environment.sab), bool(environment.natural))
     hands = _player_hands()
     states = [(hand, showing) for hand in hands for showing in CARDS]
@@ -125,7 +119,6 @@ def _start(number: Mapping[tuple[Hand, int], int]) -> dict[int, float]:
 
 @cache
 def _dealer_from(hand: Hand) -> Mapping[Hand, float]:
-    """Return final hand → probability for a dealer who has `hand`."""
     if hand.sum >= DEALER_STANDS:
         return {hand: 1.0}
     ends: defaultdict[Hand, float] = defaultdict(float)
@@ -137,7 +130,7 @@ def _dealer_from(hand: Hand) -> Mapping[Hand, float]:
 
 @cache
 def dealer_showing(showing: int) -> Mapping[Hand, float]:
-    """Return final hand → probability for a dealer who shows the card `showing`."""
+    """Return final hand → probability for a dealer."""
     ends: defaultdict[Hand, float] = defaultdict(float)
     for hidden, p_hidden in CARDS.items():
         for end, p_end in _dealer_from(_first_two(showing, hidden)).items():
@@ -146,7 +139,6 @@ def dealer_showing(showing: int) -> Mapping[Hand, float]:
 
 
 def _reward(rules: BlackjackRules, player: Hand, dealer: Hand) -> float:
-    """Return the reward for sticking against the dealer's final hand."""
     of_dealer = dealer.sum if dealer.sum <= BEST else 0
     reward = float((player.sum > of_dealer) - (player.sum < of_dealer))
     if rules.sab and player.natural and not dealer.natural:
@@ -180,11 +172,7 @@ def _transitions(
 
 
 def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
-    """Return the drawing of the table.
-
-    Sums go down from a natural to 4, the dealer's cards across. Hands with a usable ace are on the right, and
-    the three ends are below them.
-    """
+    # Sums go down, the dealer's cards across, usable aces on the right
     cells = [
         _cell(0 if hand.natural else BEST + 1 - hand.sum, showing, usable_ace=hand.usable_ace)
         for hand, showing in states
@@ -197,7 +185,7 @@ def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
 
 
 def observed_drawing() -> Grid:
-    """Return the same drawing for all observations. Impossible ones share a cell with busts."""
+    """Return the drawing of all observations. Impossible ones share a cell with busts."""
     sums, cards, aces = map(range, OBSERVED_PARTS)
     bust = (len(OBSERVED_AXES.rows) - 3) * len(OBSERVED_AXES.columns) + _BUST
     cells = []

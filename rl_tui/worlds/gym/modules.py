@@ -1,4 +1,4 @@
-"""Modules that environment ids may import: only those that the user allowed by name."""
+"""Modules that environment ids may import: those allowed by name."""
 
 from __future__ import annotations
 
@@ -20,41 +20,38 @@ ALLOWED: Final[set[str]] = set()
 
 
 def allow_module(name: str) -> None:
-    """Allow ids of the form ``name:ID``, which import the module `name`.
+    """Allow ids of the form ``name:ID``, which import the module.
 
     Raises:
         UserError: `name` is not a module name, or this is a kiosk.
     """
     if in_kiosk():
-        raise UserError(f"kiosk mode imports no modules: leave {OPTION} out")
+        raise UserError(f"kiosk mode imports no modules: leave out {OPTION}")
     if not _is_name(name):
         raise UserError(f"{shown(name)} is not the name of a module, such as my_package.environments")
     ALLOWED.add(name)
 
 
 def module_of(id_: str) -> str:
-    """Return the module in an environment id. Empty if there is none."""
+    """Return the module in an environment id, or an empty text."""
     module, colon, _ = id_.partition(":")
     return module if colon else ""
 
 
 def refusal_of(id_: str) -> Finding | None:
-    """Return why an id may not be used, or None.
-
-    Refused are our own scenarios, and ids that need a module which was not allowed.
-    """
+    """Return why an id is refused (our own scenario, or a module not allowed), or None."""
     if id_.rpartition(":")[2].startswith(OWN_IDS):
-        return Finding(("id",), shown(id_), "another environment: this is a scenario of rl-tui")
+        return Finding(("id",), f"{shown(id_)} is a scenario of rl-tui; name another environment")
     if ":" not in id_ or (module_of(id_) in ALLOWED and not in_kiosk()):
         return None
-    expected = "the id of a registered environment, without a module to import"
+    found = f"{shown(id_)} names a module, which is not imported"
     if _is_name(module_of(id_)) and not in_kiosk():
-        expected = f"{expected}; if you trust that module: {OPTION} {module_of(id_)}"
-    return Finding(("id",), shown(id_), expected)
+        return Finding(("id",), f"{found}; if you trust it, add {OPTION} {module_of(id_)}")
+    return Finding(("id",), f"{found}; use the id of a registered environment")
 
 
 def registered_id(id_: str) -> str:
-    """Import the module in `id_`, if it is allowed, and return the rest of the id.
+    """Import the module in `id_`, and return the rest of the id.
 
     Raises:
         WorldRefusedError: The module is not allowed, or cannot be imported.
@@ -71,8 +68,8 @@ def registered_id(id_: str) -> str:
             if is_interrupt(error):
                 raise
             reason = one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)
-            found = f"{module}, which cannot be imported ({reason})"
-            raise WorldRefusedError(("id",), found, "a module of this Python's") from error
+            found = f"{module} cannot be imported ({reason}); name a module of this Python"
+            raise WorldRefusedError(("id",), found) from error
     return id_.partition(":")[2] if module else id_
 
 

@@ -1,7 +1,4 @@
-"""Registered Gymnasium environments: creation, checks, and simulation without a transition table.
-
-Results of reset and step are checked before an agent learns from them.
-"""
+"""Registered Gymnasium environments: creation, checked results, and simulation."""
 
 from __future__ import annotations
 
@@ -48,11 +45,7 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     """Create an environment, silently.
 
     It gets the wrappers of its registration (the time limit), but not Gymnasium's checker, because results
-    are checked here. From the first call on, Gymnasium's advice is silenced.
-
-    Args:
-        name: Registered id. ``module:ID`` first imports the module, if allowed.
-        kwargs: Arguments of the environment.
+    are checked here. ``module:ID`` first imports the module. From now on, Gymnasium's advice is silenced.
 
     Raises:
         WorldRefusedError: The environment is not registered or cannot be made.
@@ -66,7 +59,7 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
         expected = f"the id of a registered environment{near(name, known)}"
         raise WorldRefusedError(("id",), shown(name), expected)
     if size_of(kwargs) > LARGEST_ARGUMENTS:
-        expected = f"at most {LARGEST_ARGUMENTS:,} characters and values in all"
+        expected = f"at most {LARGEST_ARGUMENTS:,} characters and values in total"
         raise WorldRefusedError(("kwargs",), f"{size_of(kwargs):,} characters and values", expected)
     try:
         with ENVIRONMENT_CALL, _MAKING, warnings.catch_warnings():
@@ -81,19 +74,15 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
             raise
         reason = reason_of(error)
         if kwargs:
-            found = f"what makes {name} fail ({reason})"
-            raise WorldRefusedError(("kwargs",), found, f"what {name} takes") from error
-        found = f"{name}, which cannot be made ({reason})"
-        raise WorldRefusedError(("id",), found, "one that can be made here") from error
+            found = f"{name} refuses these arguments ({reason}); give arguments that it accepts"
+            raise WorldRefusedError(("kwargs",), found) from error
+        found = f"{name} cannot be created here ({reason}); choose another environment"
+        raise WorldRefusedError(("id",), found) from error
 
 
 @contextmanager
 def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
     """Create an environment, yield it for inspection, and close it.
-
-    Args:
-        name: Registered id.
-        kwargs: Arguments of the environment.
 
     Raises:
         WorldRefusedError: It cannot be made, or fails during inspection.
@@ -106,8 +95,8 @@ def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
     except BaseException as error:  # attributes may run the environment's code
         if is_interrupt(error):
             raise
-        found = f"{name}, which cannot be read ({reason_of(error)})"
-        raise WorldRefusedError(("id",), found, "one that tells its states and actions") from error
+        found = f"{name} does not declare its states and actions ({reason_of(error)})"
+        raise WorldRefusedError(("id",), f"{found}; choose another environment") from error
     finally:
         close(environment)
 
@@ -137,10 +126,7 @@ def size_of(arguments: Mapping[str, Any]) -> int:
 
 
 def _may_serve(id_: str, entry_point: object) -> bool:
-    """Return True if an environment is worth suggesting, judged by its origin.
-
-    Few of Gymnasium's own environments have discrete states and actions, or few real numbers.
-    """
+    # Judged by its origin
     entry = str(entry_point)
     if id_.startswith(OWN_IDS):
         return False
@@ -148,7 +134,7 @@ def _may_serve(id_: str, entry_point: object) -> bool:
 
 
 def reason_of(error: BaseException) -> str:
-    """Return the error of an environment as one printable line of at most 200 characters."""
+    """Return an error as one printable line of at most 200 characters."""
     name, text = type(error).__name__, text_of(error)
     return one_line(f"{name}: {text}" if text else name, LONGEST_REASON)
 
@@ -158,15 +144,11 @@ def text_of(thing: object) -> str:
     try:
         return str(thing)
     except Exception:
-        return f"a {type(thing).__name__} that cannot be written"
+        return f"a {type(thing).__name__} without readable text"
 
 
 def time_limit_of(environment: Env[Any, Any]) -> int:
-    """Return the time limit of the environment's registration in steps; 0: none.
-
-    Raises:
-        WorldRefusedError: The limit is not a valid number of steps.
-    """
+    """Return the registered time limit in steps (0: none), or raise WorldRefusedError."""
     most_steps = environment.spec.max_episode_steps if environment.spec else None
     limit = 0 if most_steps is None else most_steps
     if not isinstance(limit, int) or isinstance(limit, bool) or not 0 <= limit <= LONGEST_TIME_LIMIT:
@@ -187,46 +169,34 @@ class UnsoundResultError(Exception):
 
 
 def parts_of(result: Any) -> tuple[Any, ...]:
-    """Return observation, reward, terminated, truncated and info.
-
-    Raises:
-        UnsoundResultError: The result has another form.
-    """
+    """Return observation, reward, terminated, truncated and info, or raise UnsoundResultError."""
     if not isinstance(result, tuple | list) or len(result) != _VALUES:
         found = f"{len(result)} values" if isinstance(result, tuple | list) else seen(result)
         raise UnsoundResultError(
-            f"answered {found} to a step, which is not observation, reward, terminated, truncated and info"
+            f"returned {found} from step instead of observation, reward, terminated, truncated and info"
         )
     return tuple(result)
 
 
 def first_observation(result: Any) -> Any:
-    """Return the observation in the result of a reset.
-
-    Raises:
-        UnsoundResultError: The result has another form.
-    """
+    """Return the observation of a reset, or raise UnsoundResultError."""
     if not isinstance(result, tuple | list) or len(result) != 2:
-        raise UnsoundResultError(f"answered {seen(result)} to a reset, which is not observation and info")
+        raise UnsoundResultError(f"returned {seen(result)} from reset instead of observation and info")
     return result[0]
 
 
 def reward_of(value: Any) -> float:
-    """Return a reward as a float.
-
-    Raises:
-        UnsoundResultError: It is not a finite number.
-    """
+    """Return a finite reward, or raise UnsoundResultError."""
     if type(value) is float and math.isfinite(value):
         return value
     number = number_of(value)
     if not math.isfinite(number):
-        raise UnsoundResultError(f"gave a reward of {seen(value)}, which is not a finite number")
+        raise UnsoundResultError(f"returned the reward {seen(value)} instead of a finite number")
     return number
 
 
 def number_of(value: Any) -> float:
-    """Return a value of an environment as a float, or NaN if it is not a number."""
+    """Return a number as a float, else NaN."""
     if isinstance(value, str | bytes | bytearray):
         return math.nan
     try:
@@ -236,31 +206,23 @@ def number_of(value: Any) -> float:
 
 
 def truth_of(value: Any, what: str) -> bool:
-    """Return a flag of an environment as a bool.
-
-    Args:
-        value: The flag.
-        what: "terminated" or "truncated", for messages.
-
-    Raises:
-        UnsoundResultError: It is neither true nor false.
-    """
+    """Return the flag `what` as a bool, or raise UnsoundResultError."""
     if value is True or value is False:
         return bool(value)
     single = _single(value)
     if isinstance(single, bool | int | float | np.bool_ | np.number) and single in (0, 1):
         return bool(single)
-    raise UnsoundResultError(f"answered {what} = {seen(value)}, which is neither true nor false")
+    raise UnsoundResultError(f"returned {what} = {seen(value)} instead of true or false")
 
 
 def seen(value: Any) -> str:
-    """Return a value of an environment as a short, printable line."""
+    """Return a value as a short, printable line."""
     text = repr(value) if isinstance(value, str) else text_of(value)
     return one_line(text, LONGEST_SHOWN)
 
 
 def _single(value: Any) -> Any:
-    """Return the element of an array of size 1. Python will soon refuse to convert such arrays."""
+    # Python will soon refuse to convert arrays of size 1
     return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
 
 
@@ -268,10 +230,7 @@ def _single(value: Any) -> Any:
 
 
 class SteppedEnvironment:
-    """A simulated Gymnasium environment whose observations become states.
-
-    It is closed when it is no longer referenced.
-    """
+    """A simulated Gymnasium environment, which is closed when it is no longer referenced."""
 
     def __init__(self, name: str, environment: Env[Any, Any], states: States, first_action: int) -> None:
         self._name = name
@@ -295,7 +254,7 @@ class SteppedEnvironment:
         return self._state(observation)
 
     def step(self, action: int) -> StepResult:
-        """Take `action`. An episode that is both terminated and truncated counts as terminated.
+        """Take `action`. An episode both terminated and truncated counts as terminated.
 
         Raises:
             EnvironmentFailedError: The environment failed.
@@ -316,11 +275,12 @@ class SteppedEnvironment:
             return self._state_of(observation)
         except Exception as error:  # a wrong observation may raise anything
             raise EnvironmentFailedError(
-                f"{self._name} observed {seen(observation)}, which is not in its own space of observations"
+                f"{self._name} returned the observation {seen(observation)}, which is outside its "
+                "observation space"
             ) from error
 
     def _failure(self, error: BaseException, how: str) -> BaseException:
-        """Return `error` as a failure of the environment, or ctrl+C unchanged."""
+        # ctrl+C is passed on
         if isinstance(error, UnsoundResultError):
             return EnvironmentFailedError(f"{self._name} {error}")
         if is_interrupt(error):
@@ -331,13 +291,7 @@ class SteppedEnvironment:
 def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None = None) -> World:
     """Return the simulated world of a registered environment.
 
-    Observations must be discrete: a number, or a tuple, dictionary or array of them. Each combination is a
-    state.
-
-    Args:
-        name: Registered id.
-        kwargs: Arguments of the environment.
-        bins: Cuts a Box of real numbers into states; None: not a Box.
+    Each combination of its discrete observations is a state. `bins` cut a Box of real numbers.
 
     Raises:
         WorldRefusedError: It cannot be made, is not discrete, or is too large.
@@ -357,10 +311,10 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
         try:
             environment = made(name, kwargs)
         except WorldRefusedError as refusal:
-            raise EnvironmentFailedError(f"{name} cannot be made: {refusal.finding.found}") from refusal
+            raise EnvironmentFailedError(refusal.finding.found) from refusal
         stepped = SteppedEnvironment(name, environment, states, first_action)
         if (environment.observation_space, environment.action_space) != spaces:
-            raise EnvironmentFailedError(f"{name} was made with other spaces than the time before")
+            raise EnvironmentFailedError(f"{name} changed its spaces since it was first created")
         return stepped
 
     return World(
@@ -376,26 +330,25 @@ def _states_of(name: str, environment: Env[Any, Any], bins: BinsSection | None) 
     space = environment.observation_space
     if isinstance(space, Box):
         if bins is None:
-            found = f"{name}, whose states are Box: {math.prod(space.shape)} real numbers"
-            expected = "[gymnasium.bins] in a scenario file, which cuts them into states"
-            raise WorldRefusedError(("id",), found, expected)
+            found = f"the states of {name} are a Box of {math.prod(space.shape)} real numbers"
+            fix = "write a scenario file with [gymnasium.bins], which divides them into states"
+            raise WorldRefusedError(("id",), f"{found}; {fix}")
         return bins.states(name, space)
     if bins is not None:
-        found = f"bins for {name}, whose states are {type(space).__name__}"
-        raise WorldRefusedError(("bins",), found, "no bins: they cut a Box of real numbers")
+        found = f"bins divide a Box, but the states of {name} are {type(space).__name__}; leave out bins"
+        raise WorldRefusedError(("bins",), found)
     states = discrete_states(space)
     if states is None:
-        found = f"{name}, whose states are {type(space).__name__}"
-        raise WorldRefusedError(("id",), found, "states made of discrete parts")
+        found = f"the states of {name} are {type(space).__name__}; choose one with discrete states"
+        raise WorldRefusedError(("id",), found)
     return states
 
 
 def _actions_of(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
-    """Return the first action and the number of actions."""
     from gymnasium.spaces import Discrete
 
     space = environment.action_space
     if not isinstance(space, Discrete):
-        found = f"{name}, whose actions are {type(space).__name__}"
-        raise WorldRefusedError(("id",), found, "discrete actions")
+        found = f"the actions of {name} are {type(space).__name__}; choose one with discrete actions"
+        raise WorldRefusedError(("id",), found)
     return int(space.start), int(space.n)

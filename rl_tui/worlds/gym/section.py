@@ -1,4 +1,4 @@
-"""The ``[gymnasium]`` table: an environment, used by its transition table or simulated."""
+"""The ``[gymnasium]`` table: an environment, with or without its transition table."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 _TABLE: Final = Expect("true (its transition table) or false (simulated)", is_truth_value)
 _IN_LINES: Final = "\n\t"
-_DRAWN_HERE: Final = "no such argument: the world is drawn here"
-_NOT_ITS_OWN: Final = "arguments of the environment itself"
+_DRAWN_HERE: Final = "no such argument, because rl-tui draws the world"
+_NOT_ITS_OWN: Final = "arguments of the environment, not of gymnasium.make"
 # Of the arguments of gymnasium.make and of a registration, only the time limit may be set
 _OF_MAKE: Final = ("id", "spec", "env", "env_id", "wrappers", "disable_env_checker", "make_kwargs")
 _OF_A_SPEC: Final = ("entry_point", "vector_entry_point", "additional_wrappers", "order_enforce", "kwargs")
@@ -40,10 +40,10 @@ _REFUSED: Final[Mapping[str, str]] = {
 
 
 class GymnasiumSection(WorldSection):
-    """The ``[gymnasium]`` table: id and arguments of an environment.
+    """Id and arguments of an environment.
 
     A sound transition table is read once; otherwise the environment is simulated. `table` demands one of the
-    two. `bins` cuts real observations into states.
+    two.
     """
 
     id: Annotated[str, text(100)]
@@ -53,7 +53,7 @@ class GymnasiumSection(WorldSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield forbidden entries: modules to import, certain arguments, a table with bins."""
+        """Yield forbidden modules and arguments, and a table with bins."""
         name, kwargs, bins = raw.get("id"), raw.get("kwargs"), raw.get("bins")
         refusal = refusal_of(name) if isinstance(name, str) else None
         if refusal is not None:
@@ -62,15 +62,12 @@ class GymnasiumSection(WorldSection):
             yield from _kwargs_findings(kwargs)
         if isinstance(bins, dict):
             if raw.get("table") is True:
-                yield Finding(("table",), "both table and bins", "no table: a world with bins has none")
+                yield Finding(("table",), "a world with bins has no transition table; leave out table")
             for finding in BinsSection.connection_findings(bins):
                 yield finding.inside("bins")
 
     def environment_findings(self) -> Iterator[Finding]:
-        """Yield why the environment cannot be used.
-
-        Imports gymnasium, and starts a simulated environment once.
-        """
+        """Yield why the environment cannot be used, after starting it once."""
         try:
             world = self._world()
             if world.new_environment is not None:
@@ -78,22 +75,17 @@ class GymnasiumSection(WorldSection):
         except WorldRefusedError as refusal:
             yield refusal.finding
         except EnvironmentFailedError as failure:
-            yield Finding(
-                ("kwargs" if self.kwargs else "id",), str(failure), "an environment that can be created"
-            )
+            found = f"{failure}; choose another environment"
+            yield Finding(("kwargs" if self.kwargs else "id",), found)
 
     def sketch(self) -> Grid | None:
-        """Return the known part of the grid without importing Gymnasium, or None."""
+        """Return the known part of the grid without importing Gymnasium."""
         from rl_tui.worlds.gym.stepped_layout import known_grid
 
         return known_grid(self)
 
     def build(self, generator: Generator) -> World:
-        """Build the world. `generator` is not used. Imports gymnasium.
-
-        Raises:
-            WorldRefusedError: The environment cannot be used.
-        """
+        """Build the world, or raise WorldRefusedError. `generator` is not used."""
         return self._world()
 
     def _world(self) -> World:
@@ -111,7 +103,6 @@ class GymnasiumSection(WorldSection):
 
 
 def _kwargs_findings(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield forbidden arguments, and texts that must not reach a terminal."""
     for name, value in kwargs.items():
         if name in _REFUSED:
             yield Finding(("kwargs", name), shown(value), _REFUSED[name])

@@ -37,11 +37,7 @@ _FORM: Final = "(probability, next state, reward, terminated)"
 
 
 class NoEntriesError(Exception):
-    """No readable entries for a pair. `found` and `expected` describe the error."""
-
-    def __init__(self, found: str, expected: str) -> None:
-        super().__init__(found)
-        self.found, self.expected = found, expected
+    """No readable entries for a pair."""
 
 
 class UnsoundTableError(NoEntriesError):
@@ -57,12 +53,6 @@ def read_entries(table: Any, state: int, action: int, states: int) -> list[Outco
 
     Probabilities must be at least 0 and sum to 1 (±1e-9). Rewards must lie within ±1e12.
 
-    Args:
-        table: The environment's table.
-        state: State of the pair.
-        action: Action of the pair.
-        states: Number of states.
-
     Raises:
         NoEntriesError: Entries are missing or have another form.
         UnsoundTableError: A value is out of range.
@@ -71,15 +61,13 @@ def read_entries(table: Any, state: int, action: int, states: int) -> list[Outco
     try:
         listed = list(table[state][action])
     except Exception as error:  # a table may run the environment's code
-        raise NoEntriesError(
-            f"nothing for {where} ({reason_of(error)})", "outcomes for every state and action"
-        ) from error
+        raise NoEntriesError(f"{where} has no outcome ({reason_of(error)})") from error
     if not listed:
-        raise NoEntriesError(f"no outcome for {where}", "outcomes for every state and action")
+        raise NoEntriesError(f"{where} has no outcome")
     entries = [_entry(each, where, states) for each in listed]
     total = math.fsum(entry.probability for entry in entries)
     if not abs(total - 1.0) <= PROBABILITY_TOLERANCE:
-        raise UnsoundTableError(f"probabilities that sum to {total:.12g} for {where}", "a sum of 1")
+        raise UnsoundTableError(f"the probabilities of {where} sum to {total:.12g}, not to 1")
     return entries
 
 
@@ -87,32 +75,29 @@ def _entry(listed: Any, where: str, states: int) -> Outcome:
     try:
         probability, next_state, reward, terminated = listed
     except Exception as error:  # unpacking a foreign object may raise anything
-        raise NoEntriesError(f"{seen(listed)} for {where}", _FORM) from error
+        raise NoEntriesError(f"an outcome of {where} is {seen(listed)}, not {_FORM}") from error
     chance = number_of(probability)
     if not 0.0 <= chance <= 1.0 + PROBABILITY_TOLERANCE:
-        raise UnsoundTableError(
-            f"a probability of {seen(probability)} for {where}", "probabilities from 0 to 1"
-        )
+        raise UnsoundTableError(f"a probability of {where} is {seen(probability)}, not from 0 to 1")
     place = number_of(next_state)
     if not 0 <= place < states or place != int(place):
-        raise UnsoundTableError(
-            f"a next state of {seen(next_state)} for {where}", f"a state from 0 to {states - 1}"
-        )
+        raise UnsoundTableError(f"a next state of {where} is {seen(next_state)}, not from 0 to {states - 1}")
     earned = number_of(reward)
     if not abs(earned) <= LARGEST_NUMBER:
-        expected = f"rewards within ±{LARGEST_NUMBER:g}"
-        raise UnusableRewardError(f"a reward of {seen(reward)} for {where}", expected)
+        found = f"a reward of {where} is {seen(reward)}, not within ±{LARGEST_NUMBER:g}"
+        raise UnusableRewardError(found)
     try:
         ends = truth_of(terminated, "terminated")
     except UnsoundResultError as error:
-        raise UnsoundTableError(f"terminated = {seen(terminated)} for {where}", "true or false") from error
+        found = f"terminated of {where} is {seen(terminated)}, not true or false"
+        raise UnsoundTableError(found) from error
     return Outcome(chance, int(place), earned, ends)
 
 
 # The world
 
 
-_OR_STEPPED: Final = "or table = false in a scenario file, which only simulates it"
+_OR_STEPPED: Final = "; simulate it by a scenario file with table = false"
 
 
 class NoTableError(WorldRefusedError):
@@ -122,12 +107,8 @@ class NoTableError(WorldRefusedError):
 def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) -> World:
     """Return the world of a registered environment with a transition table.
 
-    States are named "0", "1", … unless better names are known. The time limit is the environment's own.
-
-    Args:
-        name: Registered id.
-        kwargs: Arguments of the environment.
-        computed: True to accept tables computed here from the rules (Blackjack).
+    States are named "0", "1", … unless better names are known. `computed` accepts tables computed here from
+    the rules (Blackjack).
 
     Raises:
         WorldRefusedError: It is not registered, cannot be made, has no start, or its table is contradictory.
@@ -157,14 +138,13 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
         )
     except UnsoundTableError as fault:
         # not NoTableError, because simulating would hide the contradiction
-        found = f"{name}, whose table has {fault.found}"
-        stepped = "" if isinstance(fault, UnusableRewardError) else f", {_OR_STEPPED}"
-        raise WorldRefusedError((place,), found, f"{fault.expected}{stepped}") from fault
+        fix = "; choose another environment" if isinstance(fault, UnusableRewardError) else _OR_STEPPED
+        raise WorldRefusedError((place,), f"the table of {name} has an error: {fault}{fix}") from fault
     except NoEntriesError as fault:
-        raise NoTableError(("id",), f"{name}, whose table has {fault.found}", fault.expected) from fault
+        raise NoTableError(("id",), f"the table of {name} has an error: {fault}{_OR_STEPPED}") from fault
     except ValueError as fault:
-        found = f"{name}, in whose table {one_line(str(fault), 200)}"
-        raise WorldRefusedError((place,), found, f"a sound transition table, {_OR_STEPPED}") from fault
+        found = f"the table of {name} has an error: {one_line(str(fault), 200)}{_OR_STEPPED}"
+        raise WorldRefusedError((place,), found) from fault
     return World(mdp, layout.grid)
 
 
@@ -174,8 +154,8 @@ def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
     sizes = []
     for what, space in (("states", environment.observation_space), ("actions", environment.action_space)):
         if not isinstance(space, Discrete) or space.start != 0:
-            found = f"{name}, whose {what} are {type(space).__name__}"
-            raise NoTableError(("id",), found, f"discrete {what}, counted from 0")
+            found = f"the {what} of {name} are {type(space).__name__}, not discrete and counted from 0"
+            raise NoTableError(("id",), f"{found}{_OR_STEPPED}")
         sizes.append(int(space.n))
     return sizes[0], sizes[1]
 
@@ -183,24 +163,24 @@ def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
 def _table(name: str, environment: Env[Any, Any]) -> Any:
     table = getattr(environment.unwrapped, "P", None)
     if table is None:
-        raise NoTableError(("id",), f"{name}, which has no transition table", "one that has")
+        raise NoTableError(("id",), f"{name} has no transition table{_OR_STEPPED}")
     return table
 
 
 def _start(name: str, environment: Env[Any, Any], states: int, place: str) -> dict[int, float]:
     distribution = getattr(environment.unwrapped, "initial_state_distrib", None)
     if distribution is None:
-        raise NoTableError(("id",), f"{name}, which does not report its start", "initial_state_distrib")
+        raise NoTableError(("id",), f"{name} has no initial_state_distrib{_OR_STEPPED}")
     start = np.asarray(distribution, dtype=np.float64)
     sound = start.shape == (states,) and bool(np.all(start >= 0.0))
     if not sound or not abs(start.sum() - 1.0) <= PROBABILITY_TOLERANCE:
-        found = f"{name}, a world without a start"
-        raise WorldRefusedError((place,), found, f"probabilities to start in the {states} states")
+        found = f"the start of {name} is not {states:,} probabilities that sum to 1{_OR_STEPPED}"
+        raise WorldRefusedError((place,), found)
     return {state: float(probability) for state, probability in enumerate(start) if probability > 0.0}
 
 
 def _outcomes(table: Any, layout: Layout, state: int, action: int) -> list[Outcome]:
-    """Return the outcomes of one pair, not merged even if they are equal."""
+    # Equal outcomes are not merged
     entries = read_entries(table, state, action, len(layout.state_names))
     return [
         entry._replace(action=layout.happened(state, action, number, len(entries), entry.next_state))

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.common.packages import is_installed
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 # Up to this many edges, a plain search is faster than importing SciPy
@@ -17,18 +18,13 @@ _COMPILED: Final = "scipy.sparse"
 
 
 def reachable(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
-    """Return which of S states can be reached from the start by any number of edges.
+    """Return which of S states can be reached from `start`, [K].
 
-    Args:
-        first_edge: State s owns the edges first_edge[s] .. first_edge[s+1], [S+1].
-        leads_to: State at the end of each edge, [E].
-        start: Start states, [K].
-
-    Returns:
-        Truth values, [S].
+    State s owns the edges first_edge[s] .. first_edge[s+1], [S+1], which lead to other states, [E].
     """
     most_plain = min(FEW, MOST_PLAIN) if _COMPILED in sys.modules else MOST_PLAIN
-    search = _plain_search if len(leads_to) <= most_plain else _large_search
+    is_few = len(leads_to) <= most_plain or not is_installed("scipy")
+    search = _plain_search if is_few else _large_search
     return search(first_edge, leads_to, start)
 
 
@@ -50,7 +46,7 @@ def _plain_search(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> 
 
 
 def _large_search(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
-    """Search with SciPy, from an extra state with edges to all of `start`."""
+    # From an extra state with edges to all of `start`
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order
 

@@ -1,4 +1,4 @@
-"""The states and actions of a finite MDP, with or without a transition table."""
+"""The states and actions of a finite MDP."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class FiniteSpace:
     immutable; writable ones are copied.
 
     Args:
-        state_names: Name of each state, [S].
-        action_names: Name of each action, [A].
-        first_pair: First pair of each state, [S+1].
-        pair_action: Action of each pair, [P].
+        state_names: [S].
+        action_names: [A].
+        first_pair: [S+1].
+        pair_action: [P].
         time_limit: Steps after which an episode is truncated; 0: none.
     """
 
@@ -45,12 +45,12 @@ class FiniteSpace:
 
     @property
     def states(self) -> int:
-        """S, the number of states, including terminal ones."""
+        """S, including terminal states."""
         return len(self.state_names)
 
     @property
     def pairs(self) -> int:
-        """P, the number of available state–action pairs."""
+        """P, the number of available pairs."""
         return len(self.pair_action)
 
     @property
@@ -67,7 +67,7 @@ class FiniteSpace:
         return range(int(self.first_pair[state]), int(self.first_pair[state + 1]))
 
     def pair_of(self, state: int, action: int) -> int | None:
-        """Return the pair of `state` and `action`, or None if the action is not available."""
+        """Return a pair, or None if the action is not available."""
         return next((pair for pair in self.pairs_of(state) if self.pair_action[pair] == action), None)
 
     def pair_name(self, pair: int) -> str:
@@ -76,13 +76,7 @@ class FiniteSpace:
 
 
 def all_pairs(state_names: Sequence[str], action_names: Sequence[str], time_limit: int) -> FiniteSpace:
-    """Return the space in which all actions are available in all states, as in Gymnasium.
-
-    Args:
-        state_names: Name of each state, [S].
-        action_names: Name of each action, [A].
-        time_limit: Steps after which an episode is truncated; 0: none.
-    """
+    """Return a space with all actions in all states (time limit 0: none)."""
     states, actions = len(state_names), len(action_names)
     return FiniteSpace(
         state_names=state_names,
@@ -97,14 +91,14 @@ class NumberNames(Sequence[str]):
     """Names "3", "4", "7", … of rising numbers, [n], each made on access.
 
     Raises:
-        ValueError: The numbers do not rise. Names must be unique.
+        ValueError: The numbers do not rise.
     """
 
     __slots__ = ("numbers",)
 
     def __init__(self, numbers: IntArray) -> None:
         if not bool(np.all(np.diff(numbers) > 0)):
-            raise ValueError("state_names: expected numbers that rise")
+            raise ValueError("state_names: expected increasing numbers")
         self.numbers = numbers
 
     def __len__(self) -> int:

@@ -21,11 +21,7 @@ PROBABILITY_TOLERANCE: Final = 1e-9
 
 
 def check_consistency(mdp: TabularMDP) -> None:
-    """Check the arrays of `mdp`.
-
-    Raises:
-        ValueError: `mdp` is not a sound finite MDP. The message names the array and the first bad index.
-    """
+    """Raise ValueError for an unsound MDP, with the array and the first bad index."""
     _check_shapes(mdp)
     _check_pairs(mdp)
     _check_outcomes(mdp)
@@ -66,7 +62,7 @@ def _check_shapes(mdp: TabularMDP) -> None:
     for kind, names in {"state": mdp.state_names, "action": mdp.action_names}.items():
         # rising numbers are distinct, so no texts need to be made
         if not isinstance(names, NumberNames) and len(set(names)) != len(names):
-            raise ValueError(f"{kind}_names: expected no name twice")
+            raise ValueError(f"{kind}_names: a name is listed twice; expected distinct names")
 
 
 def _check_array(name: str, array: npt.NDArray[Any], length: int, kind: type[np.generic]) -> None:
@@ -79,25 +75,25 @@ def _check_array(name: str, array: npt.NDArray[Any], length: int, kind: type[np.
 def _check_pairs(mdp: TabularMDP) -> None:
     first = mdp.first_pair
     if first[0] != 0 or first[-1] != mdp.pairs:
-        raise ValueError(f"first_pair: expected to go from 0 to {mdp.pairs}")
-    _require(np.diff(first) >= 0, "first_pair", "offsets that never fall")
+        raise ValueError(f"first_pair: expected 0 as the first and {mdp.pairs} as the last")
+    _require(np.diff(first) >= 0, "first_pair", "offsets that do not decrease")
     action = mdp.pair_action
-    _require((action >= 0) & (action < len(mdp.action_names)), "pair_action", "an action that has a name")
+    _require((action >= 0) & (action < len(mdp.action_names)), "pair_action", "the index of an action")
     rises, same_state = np.diff(action) > 0, np.diff(mdp.pair_state) == 0
-    _require(rises | ~same_state, "pair_action", "the actions of a state in order, none twice")
+    _require(rises | ~same_state, "pair_action", "the actions of a state in increasing order")
 
 
 def _check_outcomes(mdp: TabularMDP) -> None:
     first, count = mdp.first_outcome, len(mdp.next_state)
     if first[0] != 0 or first[-1] != count:
-        raise ValueError(f"first_outcome: expected to go from 0 to {count}")
+        raise ValueError(f"first_outcome: expected 0 as the first and {count} as the last")
     _require(np.diff(first) > 0, "first_outcome", "at least one outcome in every pair")
-    _require((mdp.next_state >= 0) & (mdp.next_state < mdp.states), "next_state", "a state that has a name")
+    _require((mdp.next_state >= 0) & (mdp.next_state < mdp.states), "next_state", "the index of a state")
     action = mdp.outcome_action
     _require((action >= -1) & (action < len(mdp.action_names)), "outcome_action", "an action, or -1")
     _require(mdp.reward_std >= 0.0, "reward_std", "0 or more")
     goes_on = (np.diff(mdp.first_pair) > 0)[mdp.next_state]
-    _require(mdp.terminated | goes_on, "terminated", "true, as nothing can be done in the next state")
+    _require(mdp.terminated | goes_on, "terminated", "true, because the next state has no actions")
 
 
 def _check_distributions(mdp: TabularMDP) -> None:
@@ -109,7 +105,11 @@ def _check_distributions(mdp: TabularMDP) -> None:
         _require(
             np.abs(total, out=total) <= PROBABILITY_TOLERANCE, "first_outcome", "probabilities that sum to 1"
         )
-    _require(mdp.cumulative[first[1:] - 1] == 1.0, "first_outcome", "a last cumulative of exactly 1")
+    _require(
+        mdp.cumulative[first[1:] - 1] == 1.0,
+        "first_outcome",
+        "cumulative probabilities that end at exactly 1",
+    )
     step = mdp.cumulative.copy()
     step[1:] -= mdp.cumulative[:-1]
     step[first[1:-1]] = mdp.cumulative[first[1:-1]]
@@ -126,13 +126,13 @@ def _check_start_states(mdp: TabularMDP) -> None:
     state, cumulative = mdp.start_state, mdp.start_cumulative
     if not len(state):
         raise ValueError("start_state: expected at least one state")
-    _require((state >= 0) & (state < mdp.states), "start_state", "a state that has a name")
+    _require((state >= 0) & (state < mdp.states), "start_state", "the index of a state")
     if len(set(state.tolist())) != len(state):  # np.unique would import numpy.ma
-        raise ValueError("start_state: expected no state twice")
-    _require(np.diff(mdp.first_pair)[state] > 0, "start_state", "a state in which something can be done")
+        raise ValueError("start_state: a state is listed twice; expected distinct states")
+    _require(np.diff(mdp.first_pair)[state] > 0, "start_state", "a state with actions")
     if cumulative[-1] != 1.0:
-        raise ValueError("start_cumulative: expected to end at exactly 1")
-    _require(np.diff(cumulative, prepend=0.0) >= 0.0, "start_cumulative", "a rising sum of probabilities")
+        raise ValueError("start_cumulative: expected 1 as the last")
+    _require(np.diff(cumulative, prepend=0.0) >= 0.0, "start_cumulative", "sums that do not decrease")
 
 
 UNKNOWN_ACTION = -1
@@ -142,12 +142,10 @@ class Outcome(NamedTuple):
     """One possible outcome of a pair.
 
     Args:
-        probability: Its probability.
-        next_state: State after the step.
         reward: Mean reward.
         terminated: True if the episode ends here.
-        reward_std: Standard deviation of Gaussian noise on the reward.
-        action: Action that really happened, if the world slips; −1: unknown.
+        reward_std: Standard deviation of Gaussian noise.
+        action: Action that really happened; −1: unknown.
     """
 
     probability: float
@@ -164,8 +162,7 @@ class TabularMDP(FiniteSpace):
 
     State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions. Pair p owns the
     outcomes first_outcome[p] .. first_outcome[p+1], at least one. A state without pairs is terminal or cannot
-    be reached, and every outcome into it is terminated. :func:`tabular_mdp` makes an MDP from a list of
-    transitions.
+    be reached, and every outcome into it is terminated. See also :func:`tabular_mdp`.
 
         ========================  =========  ==========================================================
         first_pair                [S+1]      pair_action     [P]    which of the A actions this pair is
@@ -176,9 +173,8 @@ class TabularMDP(FiniteSpace):
         start_state               [K]        start_cumulative [K]   cumulative start distribution
         ========================  =========  ==========================================================
 
-    `time_limit` is the number of steps after which an episode is truncated (0: none). With a `drift_std`
-    above 0 the world is not stationary: after every step the rewards of each pair move together by a draw
-    from N(0, drift_std²). `reward` is the initial value.
+    With a `drift_std` above 0 the world is not stationary. After every step the rewards of each pair move
+    together by a draw from N(0, drift_std²). The initial value is `reward`.
 
     Raises:
         ValueError: The arrays contradict each other or are out of range.
@@ -221,7 +217,7 @@ class TabularMDP(FiniteSpace):
         return np.diff(self.start_cumulative, prepend=0.0)
 
     def average_at_start(self, values: npt.NDArray[np.floating]) -> float:
-        """Return the mean of state values, [S] or more, over the start distribution."""
+        """Return the mean of state values, [S] or more, at the start."""
         # Added in sequence, as a kernel does; numpy's dot product uses another order
         return float(np.cumsum(self.start_probability * values[self.start_state])[-1])
 
@@ -239,10 +235,10 @@ class Transition(NamedTuple):
 
 
 class TransitionArrays(NamedTuple):
-    """All outcomes of P pairs as arrays, for :func:`mdp_of_arrays`.
+    """All outcomes of P pairs, for :func:`mdp_of_arrays`.
 
     Pairs are sorted by state, then by action. Pair p owns ``outcome_count[p]`` of the O outcomes. The other
-    arrays are defined as in :class:`TabularMDP`.
+    arrays are as in :class:`TabularMDP`.
     """
 
     pair_state: IntArray
@@ -263,17 +259,10 @@ def tabular_mdp(
     start: Mapping[int, float],
     time_limit: int = 0,
 ) -> TabularMDP:
-    """Make an MDP from transitions, keeping only pairs of live states.
+    """Make an MDP from transitions in any order, keeping only pairs of live states.
 
     Live states can be reached from the start through outcomes that do not terminate. Every outcome into a
     state without pairs is marked as terminated. Equal outcomes are not merged.
-
-    Args:
-        state_names: Name of each state, [S].
-        action_names: Name of each action, [A].
-        transitions: Outcomes of each pair, in any order.
-        start: Probability of each start state.
-        time_limit: Steps after which an episode is truncated; 0: none.
 
     Raises:
         ValueError: A value is out of range, probabilities do not sum to 1 (±1e-9), a pair is given twice, or
@@ -320,16 +309,8 @@ def mdp_of_arrays(
 ) -> TabularMDP:
     """Make an MDP from arrays, like :func:`tabular_mdp`, but with few NumPy passes.
 
-    The MDP keeps the arrays where possible, so do not write to them afterwards.
-
-    Args:
-        state_names: Name of each state, [S].
-        action_names: Name of each action, [A].
-        arrays: Outcomes of all pairs.
-        start_state: Start states, [K].
-        start_probability: Their probabilities, [K].
-        time_limit: Steps after which an episode is truncated; 0: none.
-        is_live: True if the arrays hold only pairs of live states.
+    The MDP keeps the arrays where possible, so do not write to them afterwards. Starts are [K]. All pairs
+    belong to live states if `is_live`.
 
     Raises:
         ValueError: A start state has no actions, or the arrays contradict each other.
@@ -367,16 +348,9 @@ def mdp_of_arrays(
 
 
 def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> FloatArray:
-    """Return running sums of probabilities inside each pair, for sampling.
+    """Return read-only running sums of probabilities inside each pair, [O].
 
-    The sums restart in every pair, never exceed 1, and end at exactly 1 despite rounding.
-
-    Args:
-        probability: Probability of each outcome, [O].
-        first_outcome: First outcome of each pair, [P+1].
-
-    Returns:
-        Read-only array, [O].
+    They restart in every pair, never exceed 1, and end at exactly 1 despite rounding.
     """
     result = probability.copy()
     length = np.diff(first_outcome)
@@ -397,7 +371,6 @@ def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> Float
 
 
 def _offsets(count: IntArray) -> IntArray:
-    """Return where each group begins if groups of these sizes follow one another, and the end."""
     offsets = np.zeros(len(count) + 1, dtype=np.int64)
     np.cumsum(count, out=offsets[1:])
     offsets.flags.writeable = False
@@ -409,11 +382,10 @@ def _check_start(start_state: IntArray, owned: IntArray) -> None:
     idle = ~known
     idle[known] = owned[start_state[known]] == 0
     if idle.any():
-        raise ValueError(f"start: nothing can be done in state {start_state[np.argmax(idle)]}")
+        raise ValueError(f"start: state {start_state[np.argmax(idle)]} has no actions")
 
 
 def _live_states(arrays: TransitionArrays, owned: IntArray, start_state: IntArray) -> BoolArray:
-    """Return the states with pairs that the start can reach without ending an episode, [S]."""
     goes_on = ~arrays.terminated
     goes_on &= (owned > 0)[arrays.next_state]
     # the first outcome of each state, and the number of continuing outcomes before it
@@ -423,7 +395,6 @@ def _live_states(arrays: TransitionArrays, owned: IntArray, start_state: IntArra
 
 
 def _only(arrays: TransitionArrays, kept: BoolArray) -> TransitionArrays:
-    """Return the pairs selected by `kept`, [P], with their outcomes."""
     outcomes = np.repeat(kept, arrays.outcome_count)
     pairs = ("pair_state", "pair_action", "outcome_count")
     return TransitionArrays(
@@ -459,6 +430,6 @@ def _check_distribution(where: str, probabilities: Sequence[float]) -> None:
 
 
 def smallest_mdp() -> TabularMDP:
-    """Return a world with one state and two actions that end the episode with reward 0."""
+    """Return a world with one state and two actions that end the episode."""
     transitions = [Transition(0, action, [Outcome(1.0, 0, 0.0, terminated=True)]) for action in (0, 1)]
     return tabular_mdp(["here"], ["one", "other"], transitions, {0: 1.0})

@@ -1,4 +1,4 @@
-"""The ``[bandit]`` table: arms, rewards and a budget of pulls (Sutton & Barto, 2nd ed., chapter 2)."""
+"""The ``[bandit]`` table: arms, rewards and a budget (Sutton & Barto, 2nd ed., chapter 2)."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from rl_tui.worlds.sections.schema import (
     is_number,
     is_table,
     number,
+    one_of,
     sized,
     whole_number,
 )
@@ -47,9 +48,9 @@ def _is_pair(value: object) -> TypeGuard[list[float]]:
 
 
 class MeanDistribution(FileSection):
-    """Distribution of the true means, drawn again for every seed. Give one of the two.
+    """Distribution of the true means, drawn again for every seed.
 
-    `normal` is mean and standard deviation, `uniform` is lowest and highest value.
+    Either `normal`, mean and standard deviation, or `uniform`, lowest and highest value.
     """
 
     normal: (
@@ -69,15 +70,15 @@ _MEANS: Final = Expect(f"1 to {MOST_ARMS:,} numbers", sized(list, MOST_ARMS, 1))
 
 
 class BanditSection(WorldSection):
-    """The ``[bandit]`` table: `arms` means drawn from `mean`, or explicit `means`.
+    """A bandit with `arms` means drawn from `mean`, or explicit `means`.
 
-    `rewards` are Gaussian around the means with standard deviation `std`, or Bernoulli: 1 with the mean as
-    probability, else 0. Default means come from N(0, 1), those of Bernoulli arms from [0, 1]. `drift` is the
-    standard deviation of the step of every mean after every pull. `budget` is the number of pulls of a run.
+    Gaussian `rewards` have the standard deviation `std`. Bernoulli rewards are 1 with the mean as
+    probability, else 0. Default means come from N(0, 1), those of Bernoulli arms from [0, 1]. After every
+    pull, every mean moves by a step with the standard deviation `drift`. A run has `budget` pulls.
     """
 
     arms: Annotated[int, whole_number(1, MOST_ARMS)] = 0
-    rewards: Annotated[str, Expect(" or ".join(REWARDS), lambda value: value in REWARDS)] = REWARDS[0]
+    rewards: Annotated[str, one_of(REWARDS)] = REWARDS[0]
     mean: Annotated[
         MeanDistribution,
         Expect("a table, { normal = [mean, std] } or { uniform = [low, high] }", is_table),
@@ -89,7 +90,7 @@ class BanditSection(WorldSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield contradictions about the number of arms and their rewards."""
+        """Yield contradictions about arms and their rewards."""
         arms, means, mean = raw.get("arms"), raw.get("means"), raw.get("mean")
         if "means" not in raw and "arms" not in raw:
             yield Finding(("arms",), "nothing", f"a whole number from 1 to {MOST_ARMS:,}, or means")
@@ -97,9 +98,9 @@ class BanditSection(WorldSection):
             expected = f"as many as there are arms ({shown(arms)})"
             yield Finding(("means",), counted(len(means), "mean"), expected)
         if "means" in raw and "mean" in raw:
-            yield Finding(("mean",), "both mean and means", "only one of them")
+            yield Finding(("mean",), "mean and means are both set; keep one of them")
         if isinstance(mean, dict) and "normal" in mean and "uniform" in mean:
-            yield Finding(("mean",), "both normal and uniform", "only one of them")
+            yield Finding(("mean",), "normal and uniform are both set; keep one of them")
         if raw.get("rewards") == BERNOULLI:
             yield from _bernoulli_findings(raw)
 
@@ -126,7 +127,7 @@ class BanditSection(WorldSection):
         return World(replace(mdp, drift_std=self.drift) if self.drift else mdp, Arms(len(means)), self.budget)
 
     def drawn_means(self, generator: Generator) -> list[float]:
-        """Return the true mean of each arm. Random ones are drawn from `generator`."""
+        """Return the true means. Random ones are drawn from `generator`."""
         if self.means is not None:
             return self.means
         uniform = self.mean.uniform
@@ -145,7 +146,6 @@ class BanditSection(WorldSection):
 
 
 def _bernoulli_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield settings that Bernoulli arms do not allow: other means, noise and drift."""
     means, mean = raw.get("means"), raw.get("mean")
     if isinstance(means, list):
         for index, each in enumerate(means[:MOST_ARMS]):
@@ -154,9 +154,12 @@ def _bernoulli_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     if isinstance(mean, dict):
         interval = mean.get("uniform")
         if "normal" in mean:
-            yield Finding(("mean", "normal"), "normal means", f"uniform = [low, high]: {_PROBABILITY}")
+            yield Finding(
+                ("mean", "normal"),
+                "bernoulli rewards need means from 0 to 1; use uniform = [low, high]",
+            )
         if _is_interval(interval) and not 0 <= interval[0] <= interval[1] <= 1:
             yield Finding(("mean", "uniform"), shown(interval), f"[low, high]: {_PROBABILITY}")
     for key in ("std", "drift"):
         if key in raw:
-            yield Finding((key,), f"{key} with bernoulli rewards", f"gaussian rewards, or no {key}")
+            yield Finding((key,), f"bernoulli rewards have no {key}; leave it out")

@@ -1,7 +1,6 @@
-"""The ``[mdp]`` table of a scenario file: states, actions, probabilities and rewards.
+"""The ``[mdp]`` table of a scenario file.
 
-Contradictions between its entries are found in the raw table. So they are reported together with errors in
-single values.
+Contradictions are found in the raw table, to report them together with errors in single values.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Arrows:
-    """The readable part of one ``[[mdp.transition]]``. `possible` are the next states with p > 0."""
+    """The readable part of a transition. `possible` are next states with p > 0."""
 
     index: int
     state: str | None
@@ -68,10 +67,7 @@ class Arrows:
 
 
 def connection_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield contradictions in a raw ``[mdp]`` table.
-
-    They are unknown and unreachable states, repeated pairs, and shared places.
-    """
+    """Yield unknown and unreachable states, repeated pairs, and shared places."""
     entries = raw.get("transition")
     arrows = [_read(index, entry) for index, entry in enumerate(entries if isinstance(entries, list) else [])]
     places, looks = _table(raw.get("place")), _table(raw.get("seen_as"))
@@ -114,7 +110,7 @@ def _read(index: int, entry: object) -> Arrows:
 
 
 def _weights(distribution: object) -> dict[str, bool]:
-    """Return next state → possible or not, for a ``to`` or ``start``."""
+    # Next state → possible or not, for a `to` or `start`
     if isinstance(distribution, str):
         return {distribution: True} if is_name(distribution) else {}
     if not isinstance(distribution, dict):
@@ -146,8 +142,8 @@ def _given_twice(arrows: Sequence[Arrows]) -> Iterator[Finding]:
             if before != each.index:
                 yield Finding(
                     ("transition", each.index),
-                    f"state {shown(each.state)} with action {shown(each.action)} a second time",
-                    f"each state and action once (first in mdp.transition[{before}])",
+                    f"state {shown(each.state)} with action {shown(each.action)} is listed already, in "
+                    f"mdp.transition[{before}]; list it once",
                 )
 
 
@@ -158,16 +154,12 @@ def _shared_places(places: Mapping[str, Any]) -> Iterator[Finding]:
             holder = taken.setdefault(tuple(at), name)
             if holder != name:
                 yield Finding(
-                    ("place", name), f"{shown(at)}, where {shown(holder)} is already", "a free place"
+                    ("place", name), f"{shown(holder)} is already at {shown(at)}; choose a free place"
                 )
 
 
 def _unknown_destinations(arrows: Sequence[Arrows], places: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield next states that the file does not mention elsewhere.
-
-    With ``[mdp.place]`` a terminal state must be listed there, which exposes typing errors. Without it, only
-    names that differ from another in case or spaces are refused.
-    """
+    # Without [mdp.place], only names that differ in case or spaces from another are refused
     known = {each.state or "" for each in arrows} | set(places)
     alike = {_loosely(name): name for name in known}
     for each in arrows:
@@ -178,7 +170,7 @@ def _unknown_destinations(arrows: Sequence[Arrows], places: Mapping[str, Any]) -
 
 
 def _unknown(location: Location, name: str, expected: str, known: Iterable[str]) -> Finding:
-    return Finding(location, f"unknown state {shown(name)}", f"{expected}{near(name, known)}")
+    return Finding(location, f"unknown state {shown(name)}; use {expected}{near(name, known)}")
 
 
 def _loosely(name: str) -> str:
@@ -192,7 +184,7 @@ def _unknown_starts(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding
         if name not in mentioned:
             yield _unknown(("start",), name, "a state with transitions", acting)
         elif possible and name not in acting:
-            yield Finding(("start",), f"terminal state {shown(name)}", "a state with transitions")
+            yield Finding(("start",), f"{shown(name)} is a terminal state; start in a state with transitions")
 
 
 def _mentioned(arrows: Sequence[Arrows]) -> set[str]:
@@ -210,7 +202,7 @@ def _unknown_places(
 
 
 def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterator[Finding]:
-    """Yield unknown states, and states whose actions differ from those of an equal observation."""
+    # Also states whose actions differ from those of an equal observation
     mentioned = _mentioned(arrows)
     legal: dict[str, set[str]] = {name: set() for name in mentioned}
     for each in arrows:
@@ -227,8 +219,8 @@ def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterat
             here, there = (", ".join(sorted(legal[state])) or "none" for state in (name, other))
             yield Finding(
                 ("seen_as", name if name in looks else other),
-                f"{shown(look)} with the actions {here}, but {there} in state {shown(other)}",
-                "the same actions in all states with equal observations",
+                f"the actions are {here}, but {there} in {shown(other)}, which looks the same; "
+                "give both the same actions",
             )
     for name in looks:
         if name not in mentioned:
@@ -247,8 +239,7 @@ def _unreachable(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding]:
                 reported.add(name)
                 yield Finding(
                     ("transition", each.index, key),
-                    f"unreachable state {shown(name)}",
-                    "states that can be reached from the start",
+                    f"unreachable state {shown(name)}; add a way from the start, or remove it",
                 )
 
 
@@ -279,7 +270,7 @@ Deviation = Annotated[float, number(0, LARGEST_STD)]
 
 
 class Destination(FileSection):
-    """A next state: probability, and its own reward and noise if they differ."""
+    """A next state, with its own reward and noise if they differ."""
 
     p: Probability
     reward: Number | None = None
@@ -316,10 +307,7 @@ def is_place(value: object) -> bool:
 
 
 class TransitionEntry(FileSection):
-    """One ``[[mdp.transition]]``: the result of an action in a state.
-
-    `std` is the standard deviation of Gaussian noise on the reward.
-    """
+    """The result of an action in a state. `std` is for Gaussian noise on the reward."""
 
     state: Name
     action: Name
@@ -333,12 +321,7 @@ class TransitionEntry(FileSection):
     ]
 
     def outcomes(self, index: Mapping[str, int], action: int) -> list[Outcome]:
-        """Return the outcomes of this transition.
-
-        Args:
-            index: Number of each state.
-            action: Number of the action, which always happens as meant.
-        """
+        """Return the outcomes. `index` numbers the states."""
         from rl_tui.worlds.mdp.tabular_mdp import Outcome
 
         return [
@@ -357,8 +340,7 @@ class TransitionEntry(FileSection):
 class MDPSection(WorldSection):
     """The ``[mdp]`` table. States without transitions are terminal.
 
-    `seen_as` gives the observation of a state. If two states share one, the world is simulated, because there
-    is no transition table over observations.
+    `seen_as` gives the observation of a state. If two states share one, the world is simulated.
     """
 
     start: Annotated[
@@ -423,13 +405,12 @@ class MDPSection(WorldSection):
         return observed_world(mdp, list(seen), [seen[name] for name in names], Graph(self._places(seen)))
 
     def _numbered(self) -> tuple[dict[str, int], dict[str, int]]:
-        """Return observations and states, each with its number. Without `seen_as` they are equal."""
+        # Without `seen_as` observations and states are equal
         mentioned = [name for each in self.transition for name in (each.state, *each.to)]
         seen = _in_order(map(self._look, [*self.place, *mentioned]))
         return seen, _in_order(sorted(mentioned, key=lambda name: seen[self._look(name)]))
 
     def _graph(self, states: Mapping[str, int]) -> Graph:
-        """Return the drawing of `states`, given with their numbers."""
         moves = (
             Move(states[each.state], each.action, {states[name]: to.p for name, to in each.to.items()})
             for each in self.transition
@@ -441,7 +422,7 @@ class MDPSection(WorldSection):
         return self.seen_as.get(name, name)
 
     def _places(self, states: Iterable[str]) -> tuple[tuple[int, int], ...]:
-        """Return (column, row) of each observation. Those without a place fill rows below the others."""
+        # Those without a place fill rows below the others
         states = list(states)
         place = {self._look(name): at for name, at in reversed(self.place.items())}
         place |= {name: at for name, at in self.place.items() if name in states}
@@ -453,5 +434,4 @@ class MDPSection(WorldSection):
 
 
 def _in_order(names: Iterable[str]) -> dict[str, int]:
-    """Return each name with its index, in the order of first mention."""
     return {name: index for index, name in enumerate(dict.fromkeys(names))}

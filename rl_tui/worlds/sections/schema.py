@@ -1,14 +1,13 @@
-"""The base of all world tables: accepted values, and errors as findings.
+"""The base of all world tables: accepted values, and pydantic's errors as findings.
 
-Each kind of world is one subclass of `WorldSection`, and one row in `files/scenario.py`. Errors of pydantic
-become findings: found, expected, and place.
+Each kind of world is one subclass of `WorldSection`, and one row in `files/scenario.py`.
 """
 
 from __future__ import annotations
 
 import typing
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import unescape
 from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
@@ -39,7 +38,7 @@ class FileSection(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _has_few_keys(cls, value: object) -> object:
-        """Refuse very many keys at once, since each error takes a kilobyte."""
+        # Each error takes a kilobyte
         if isinstance(value, dict) and len(value) > MOST_KEYS:
             raise refused(shown(value), f"a table of at most {MOST_KEYS:,} keys")
         return value
@@ -52,7 +51,7 @@ AnySection = TypeVar("AnySection", bound=FileSection)
 class Expect:
     """An annotation that refuses raw values which fail `test`.
 
-    `expected` is the text of the error, and `found` describes a refused value.
+    `expected` is the text of the error, and `found` describes the value.
     """
 
     expected: str
@@ -75,7 +74,7 @@ def refused(found: str, expected: str) -> PydanticCustomError:
 
 
 def is_number(value: object) -> bool:
-    """Return True for a number. Booleans, dates and NaN are not numbers."""
+    """Return True for a number, but not for booleans, dates and NaN."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and value == value
 
 
@@ -94,12 +93,15 @@ def whole_number(low: int, high: int) -> Expect:
     )
 
 
-def with_control_character(value: object, also: str = "") -> str:
-    """Return a value as :func:`shown` does, preceded by its first control character, if any.
+def one_of(values: Sequence[str]) -> Expect:
+    """Expect one of a few texts."""
+    return Expect(" or ".join(map(shown, values)), lambda value: value in values)
 
-    Args:
-        value: The value.
-        also: Allowed control characters.
+
+def with_control_character(value: object, also: str = "") -> str:
+    """Return :func:`shown` of `value`, after its first control character, if any.
+
+    Those in `also` are allowed.
     """
     named = control_character(value, also) if isinstance(value, str) else ""
     return f"{named} in {shown(value)}" if named else shown(value)
@@ -108,7 +110,7 @@ def with_control_character(value: object, also: str = "") -> str:
 def text(longest: int) -> Expect:
     """Expect one line of at most `longest` characters."""
     return Expect(
-        f"one line of text of at most {longest:,} characters, without control characters",
+        f"one line of at most {longest:,} characters, without control characters",
         lambda value: isinstance(value, str) and len(value) <= longest and is_plain(value),
         with_control_character,
     )
@@ -143,13 +145,7 @@ def is_table(value: object) -> bool:
 
 
 def sized(kind: type[list[Any] | dict[Any, Any]], most: int, least: int = 0) -> Callable[[object], bool]:
-    """Return a test for a list or table with `least` to `most` entries.
-
-    Args:
-        kind: list or dict.
-        most: Largest number of entries.
-        least: Smallest number of entries.
-    """
+    """Return a test for a list or table of this size."""
     return lambda value: isinstance(value, kind) and least <= len(value) <= most
 
 
@@ -165,11 +161,7 @@ Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_nam
 
 
 def parsed(section: type[AnySection], raw: object) -> tuple[AnySection | None, list[Finding]]:
-    """Parse `raw` as a `section`.
-
-    Returns:
-        The section and no findings, or None and the formal errors.
-    """
+    """Parse `raw`, or return None and the formal errors."""
     try:
         return section.model_validate(raw), []
     except ValidationError as error:
@@ -193,11 +185,11 @@ def _finding(section: type[FileSection], error: ErrorDetails) -> Finding:
 def unknown_key(location: tuple[str | int, ...], keys: Iterable[str]) -> Finding:
     """Return the finding for an unknown key of a table."""
     keys = list(keys)
-    return Finding(location, "an unknown key", f"one of {', '.join(keys)}{near(str(location[-1]), keys)}")
+    return Finding(location, f"unknown key; use one of {', '.join(keys)}{near(str(location[-1]), keys)}")
 
 
 def _section_at(section: type[FileSection], location: tuple[str | int, ...]) -> type[FileSection]:
-    """Return the section that contains the last key of `location`."""
+    # The section with the last key of `location`
     for step in location[:-1]:
         field = section.model_fields.get(str(step))
         section = next(_sections_in(field.annotation), section) if field else section
@@ -224,11 +216,11 @@ class WorldSection(FileSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield contradictions between the entries of the raw table, even if some are invalid."""
+        """Yield contradictions in the raw table, even if some entries are invalid."""
         return iter(())
 
     def environment_findings(self) -> Iterator[Finding]:
-        """Yield errors outside the file, such as a missing environment. May be slow."""
+        """Yield errors outside the file, such as a missing environment, perhaps slowly."""
         return iter(())
 
     @property
@@ -237,7 +229,7 @@ class WorldSection(FileSection):
         return False
 
     def sketch(self) -> Drawing | None:
-        """Return the drawing without building the world, or None if it is unknown.
+        """Return the drawing without building the world, or None if unknown.
 
         A map has only size and wind, and a graph has no states.
         """
@@ -249,8 +241,8 @@ class WorldSection(FileSection):
 
 
 class WorldRefusedError(Exception):
-    """The world cannot be built. `finding` gives the reason, located inside its table."""
+    """Why the world cannot be built, located inside its table."""
 
-    def __init__(self, location: Location, found: str, expected: str) -> None:
+    def __init__(self, location: Location, found: str, expected: str = "") -> None:
         super().__init__(found)
         self.finding = Finding(location, found, expected)

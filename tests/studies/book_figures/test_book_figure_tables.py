@@ -1,4 +1,4 @@
-"""Figures of the book, recomputed with few runs, and their claims about learning."""
+"""Figures of the book, recomputed with few runs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def row(name: str, start: str) -> BookComparison:
 
 
 def is_above(comparison: BookComparison) -> bool:
-    """Whether a mean of paired differences is above 0 by more than four standard errors."""
+    """A mean of paired differences is above 0 by more than four standard errors."""
     assert comparison.ours is not None
     assert comparison.stderr is not None
     return comparison.ours > 4 * comparison.stderr
@@ -103,14 +103,14 @@ def test_the_best_arm_pays_the_expected_maximum_of_ten_normal_means() -> None:
 @LONG
 def test_expected_sarsa_is_best_soon_and_in_the_long_run() -> None:
     for other in ("SARSA", "Q-learning"):
-        assert is_above(row("6.3", f"interim, Expected SARSA less {other}"))
+        assert is_above(row("6.3", f"interim, Expected SARSA minus {other}"))
     ends = {name: curve("6.3", f"{name}, asymptotic").mean[-1] for name in step_sizes.NAMES.values()}
     assert ends["Expected SARSA"] > max(ends["SARSA"], ends["Q-learning"]) + 10
 
 
 @LONG
 def test_a_large_step_size_spoils_sarsa_in_the_long_run_alone() -> None:
-    spoiled = row("6.3", "asymptotic, SARSA: α = 0.9 less")
+    spoiled = row("6.3", "asymptotic, SARSA: α = 0.9 minus")
     assert spoiled.ours is not None
     assert spoiled.ours < -20
     interim = curve("6.3", "SARSA, interim").mean
@@ -146,7 +146,6 @@ def test_a_curve_that_never_gets_short_has_no_first_short_episode() -> None:
 
 
 def shown(name: str) -> list[str]:
-    """Our results for a figure in docs/how-to/charts-and-book-figures.md, row by row."""
     page = (Path(__file__).parents[3] / "docs/how-to/charts-and-book-figures.md").read_text(encoding="utf-8")
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("|")]
     first = next(
@@ -168,7 +167,6 @@ def test_the_documentation_has_the_numbers_that_are_measured(name: str) -> None:
 
 
 def rounded(value: float | None, like: str) -> str:
-    """``value`` with the number of decimals in ``like``."""
     assert value is not None
     return f"{value:,.{len(like.partition('.')[2])}f}".replace("-", "−")
 

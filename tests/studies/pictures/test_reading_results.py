@@ -86,33 +86,33 @@ def test_values_at_equal_ratios_stand_on_a_logarithmic_axis(
 FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
     "no JSON": ("hello", "not JSON"),
     "NaN": ('{"curve": {"episode": [NaN]}}', "NaN is not a number"),
-    "a list": (list, "no JSON object"),
-    "something else": (lambda: {"a": 1}, "neither a curve nor cells"),
-    "one run": (lambda: {"q": [], "policy": []}, "one run, which has no curve"),
-    "a curve of words": (lambda: runs({"episode": ["one"]}), "not lists of numbers"),  # type: ignore[list-item]
+    "a list": (list, "not a JSON object"),
+    "something else": (lambda: {"a": 1}, "contains neither a curve nor a sweep"),
+    "one run": (lambda: {"q": [], "policy": []}, "a single run has no curve"),
+    "a curve of words": (lambda: runs({"episode": ["one"]}), "no lists of numbers"),  # type: ignore[list-item]
     "lists of different lengths": (
         lambda: runs({"episode": [1], "return_mean": []}),
         "no curve over episodes",
     ),
-    "no episodes": (lambda: runs({"episode": [], "return_mean": []}), "without episodes"),
+    "no episodes": (lambda: runs({"episode": [], "return_mean": []}), "has no episode"),
     "no names of episodes": (lambda: runs({"return_mean": [1.0]}), "no curve over episodes"),
-    "no cells": (lambda: sweep({"alpha": 0.1}, cells=[]), "without a cell"),
-    "cells that are numbers": (lambda: sweep({"alpha": 0.1}, cells=[1, 2]), "not JSON objects"),
+    "no cells": (lambda: sweep({"alpha": 0.1}, cells=[]), "no trained cell"),
+    "cells that are numbers": (lambda: sweep({"alpha": 0.1}, cells=[1, 2]), "not a JSON object"),
     "a mean that is too large": (
         lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 0.1, "area": {"mean": -1e308}}]),
         "numbers within",
     ),
     "a setting of hundreds of digits": (
         lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 10**400, "area": {"mean": 1.0}}]),
-        "settings that vary",
+        "setting that varies",
     ),
     "a curve of hundreds of digits": (
         lambda: runs({"episode": [1], "return_mean": [10**400]}),
         "numbers within",
     ),
-    "no measures": (lambda: sweep({"alpha": 0.1}, measures=[]), "without measures"),
-    "other measures": (lambda: sweep({"alpha": 0.1}, measures=["regret"]), "without a measure"),
-    "a setting that is a list": (lambda: sweep({"alpha": 0.1}, {"epsilon": 0.2}), "settings that vary"),
+    "no measures": (lambda: sweep({"alpha": 0.1}, measures=[]), "has no metric"),
+    "other measures": (lambda: sweep({"alpha": 0.1}, measures=["regret"]), "has a metric"),
+    "a setting that is a list": (lambda: sweep({"alpha": 0.1}, {"epsilon": 0.2}), "setting that varies"),
     "a mean that is a word": (
         lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 0.1, "area": {"mean": "much"}}]),
         "not a number",

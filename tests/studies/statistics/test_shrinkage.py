@@ -83,5 +83,5 @@ def test_without_runs_enough_nothing_is_claimed() -> None:
     assert (found.shrunk, found.low, found.high) == (-3.0, None, None)
     assert shrinkage_of([], [1.0]) is None
     assert shrinkage_of([1.0], []) is None
-    with pytest.raises(ValueError, match="not finite"):
+    with pytest.raises(ValueError, match="finite values"):
         shrinkage_of([1.0], [math.nan])

@@ -1,4 +1,4 @@
-"""A killed sweep keeps its finished runs; ``tests/sweep_kills.py`` kills more sweeps."""
+"""A killed sweep keeps its finished runs."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
         printed, complained = child.communicate()
     assert (child.returncode, printed) == (130, "")
     assert complained.startswith("interrupted: ")
-    assert f"kept in {path}: the same line goes on" in complained
+    assert f"kept in {path}: repeat the command to continue" in complained
     assert complained.strip().count("\n") == 0
     kept = rows_in(path)
     assert kept > 0
@@ -54,7 +54,6 @@ def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
 
 
 def rows_in(path: Path) -> int:
-    """Return the number of committed rows in the store at ``path``, which may not exist yet."""
     try:
         with Store.to_read(path) as store:
             return store.count()

@@ -1,29 +1,20 @@
-"""Merged stores: each run once, and no two results of one run."""
+"""Merged stores."""
 
 from __future__ import annotations
 
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from plans import cell_of, plan_of
+from plans import cell_of, csv_of, plan_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.studies.sweeps.document import write_csv
 from rl_tui.studies.sweeps.merge import merge
-from rl_tui.studies.sweeps.plan import Shard, SweepPlan
+from rl_tui.studies.sweeps.plan import Shard
 from rl_tui.studies.sweeps.runs import RunRow, run_rows
 from rl_tui.studies.sweeps.store import Store, stored
 from rl_tui.studies.sweeps.sweep import run_sweep
-
-
-def csv_of(plan: SweepPlan, path: Path) -> str:
-    stream = io.StringIO()
-    with Store.to_read(path) as store:
-        write_csv(stream, plan, store)
-    return stream.getvalue()
 
 
 def test_three_shards_merged_are_the_whole(tmp_path: Path) -> None:
@@ -36,7 +27,8 @@ def test_three_shards_merged_are_the_whole(tmp_path: Path) -> None:
         run_sweep(plan, store)
     merged = merge(tmp_path / "merged.sqlite", parts)
     assert (merged.new, merged.same, merged.kept) == (24, 0, 0)
-    assert csv_of(plan, tmp_path / "merged.sqlite") == csv_of(plan, tmp_path / "whole.sqlite")
+    with Store.to_read(tmp_path / "merged.sqlite") as one, Store.to_read(tmp_path / "whole.sqlite") as other:
+        assert csv_of(plan, one) == csv_of(plan, other)
     again = merge(tmp_path / "merged.sqlite", [*parts, tmp_path / "whole.sqlite"])
     assert (again.new, again.same, again.kept) == (0, 48, 0)
 

@@ -1,4 +1,4 @@
-"""The store of runs: each run once, one writer, and one line for each error."""
+"""The store of runs."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import os
 import socket
 import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -90,7 +91,6 @@ def test_commits_are_a_while_apart(path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> list[sqlite3.Connection]:
-    """All connections that a store opens."""
     connections, connect = list[sqlite3.Connection](), sqlite3.connect
 
     def noted(*args: Any, **kwargs: Any) -> sqlite3.Connection:
@@ -150,33 +150,27 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
         Store.to_write(tmp_path / "nowhere" / "sweep.sqlite")
 
 
-def test_a_file_that_is_no_database(path: Path) -> None:
-    path.write_text("alpha,seed\n" * 100, encoding="utf-8")
-    for opened in (Store.to_write, Store.to_read):
-        with pytest.raises(UserError, match="not a sweep store"):
-            opened(path)
-    assert path.read_text(encoding="utf-8") == "alpha,seed\n" * 100
-    assert os.listdir(path.parent) == [path.name]
-
-
-def test_a_database_of_somebody_else(path: Path) -> None:
-    with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE rows (a)")
-    database.close()
+@pytest.mark.parametrize("is_database", [False, True])
+def test_a_file_of_somebody_else(path: Path, is_database: bool) -> None:
+    if is_database:
+        with closing(sqlite3.connect(path)) as database:
+            database.execute("CREATE TABLE rows (a)")
+    else:
+        path.write_text("alpha,seed\n" * 100, encoding="utf-8")
     before = path.read_bytes()
     for opened in (Store.to_write, Store.to_read):
         with pytest.raises(UserError, match="not a sweep store"):
             opened(path)
     assert path.read_bytes() == before
+    assert os.listdir(path.parent) == [path.name]
 
 
 @pytest.mark.parametrize(("said", "expected"), [(999, "a newer rl-tui"), (0, "an older rl-tui")])
 def test_a_store_of_another_format(path: Path, said: int, expected: str) -> None:
     with Store.to_write(path):
         pass
-    with sqlite3.connect(path) as database:
+    with closing(sqlite3.connect(path)) as database, database:
         database.execute("UPDATE meta SET value = ? WHERE name = 'format'", (str(said),))
-    database.close()
     for opened in (Store.to_write, Store.to_read):
         with pytest.raises(UserError, match=expected):
             opened(path)
@@ -235,11 +229,10 @@ def test_where_a_row_was_made_is_kept(path: Path) -> None:
 def test_the_schema_says_what_each_column_is(path: Path) -> None:
     with Store.to_write(path):
         pass
-    with sqlite3.connect(path) as database:
+    with closing(sqlite3.connect(path)) as database, database:
         said = "\n".join(
             sql for (sql,) in database.execute("SELECT sql FROM sqlite_master WHERE sql NOT NULL")
         )
-    database.close()
     lines = [line for line in said.splitlines() if line.startswith("    ") and "PRIMARY KEY (" not in line]
     assert len(lines) > 20
     assert [line for line in lines if "--" not in line] == []

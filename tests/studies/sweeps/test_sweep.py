@@ -1,4 +1,4 @@
-"""A sweep in progress: each row once, coarse cells first, and continued after a stop."""
+"""A sweep in progress."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from plans import plan_of, seeds_in
+from plans import csv_of, plan_of, seeds_in
 
 from rl_tui.common.errors import UserError
 from rl_tui.studies.sweeps.cell import Cell
 from rl_tui.studies.sweeps.document import write_csv
-from rl_tui.studies.sweeps.plan import Shard, SweepPlan
 from rl_tui.studies.sweeps.runs import RunRow, run_rows
 from rl_tui.studies.sweeps.store import Store
 from rl_tui.studies.sweeps.sweep import Batch, SweepProgress, ThreadWorkers, run_again, run_sweep
@@ -47,12 +46,6 @@ class InTurn:
 
     def close(self) -> None:
         self.is_closed = True
-
-
-def csv_of(plan: SweepPlan, store: Store) -> str:
-    stream = io.StringIO()
-    write_csv(stream, plan, store)
-    return stream.getvalue()
 
 
 def test_every_row_is_there_once_and_the_coarse_cells_come_first() -> None:
@@ -126,15 +119,6 @@ def test_the_csv_does_not_depend_on_the_jobs(jobs: int) -> None:
         run_sweep(plan, store, workers=ThreadWorkers(jobs))
         run_sweep(plan, expected, workers=InTurn())
         assert csv_of(plan, store) == csv_of(plan, expected)
-
-
-def test_shards_are_the_whole() -> None:
-    plan = plan_of("maze", *VARY)
-    with Store.without_file() as store, Store.without_file() as whole:
-        for number in (3, 1, 2):
-            run_sweep(plan, store, shard=Shard(number, 3), workers=InTurn())
-        run_sweep(plan, whole, workers=InTurn())
-        assert csv_of(plan, store) == csv_of(plan, whole)
 
 
 def test_cells_that_come_to_the_same_runs_share_them() -> None:
@@ -217,8 +201,6 @@ def test_threads_let_go_of_what_is_not_finished() -> None:
 
 
 class AtOnce(InTurn):
-    """Workers that return equal metrics for every run, at once."""
-
     def __init__(self) -> None:
         super().__init__()
         cell = plan_of("maze", "alpha=0.1").cell(0)
@@ -231,7 +213,6 @@ class AtOnce(InTurn):
 
 
 def peak_of(cells: int, path: Path) -> int:
-    """Return the peak memory, in bytes, of a sweep of some cells."""
     plan = plan_of("maze", f"alpha=0.1:0.9:{cells}")
     run_sweep(plan_of("maze", "alpha=0.1"), Store.without_file(), workers=AtOnce())  # built once
     with Store.to_write(path) as store:

@@ -59,7 +59,7 @@ def test_a_value_of_a_range_is_the_one_that_people_write() -> None:
         ("alpha=0:1:3", "(0, 1]"),
         ("alpha=0.5:2:3", "(0, 1]"),
         ("alpha=0.5:0.1:3", "below"),
-        ("initial_q=-1:1:log:3", "logarithm"),
+        ("initial_q=-1:1:log:3", "log needs FROM above 0"),
         ("initial_q=1:2:1", "COUNT"),
         ("initial_q=1:2:lin:3", "COUNT"),
         ("initial_q=1:2:3:4", "COUNT"),

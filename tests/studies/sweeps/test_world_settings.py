@@ -1,4 +1,4 @@
-"""Parameters of a world: the keys of its file, edits, and refusals."""
+"""Parameters of a world."""
 
 from __future__ import annotations
 
@@ -79,11 +79,11 @@ def test_both_at_once() -> None:
         ("maze", "world.noise", 2, "number from 0 to 1"),
         ("maze", "world.noize", 0.1, "noise"),
         ("maze", "world.time_limit", 1.5, "whole number"),
-        ("maze", "world.noise.x", 1, "grid.noise is"),
-        ("bandit", "world.arm[0]", 1, "each seed draws its own world"),
+        ("maze", "world.noise.x", 1, "grid.noise: "),
+        ("bandit", "world.arm[0]", 1, "works only in a fixed world"),
         ("bandit", "world.means", "[1]", "as many as there are arms"),
         ("taxi", "world.noise", 0.1, "Taxi"),
-        ("frozenlake", "world.kwargs.render_mode", "human", "drawn here"),
+        ("frozenlake", "world.kwargs.render_mode", "human", "rl-tui draws the world"),
     ],
 )
 def test_what_is_refused_names_the_setting(

@@ -1,4 +1,4 @@
-"""``rl-tui grade``: grade submissions under many seeds, or sessions of a lesson."""
+"""``rl-tui grade``: grade submissions, or sessions of a lesson."""
 
 from __future__ import annotations
 
@@ -10,7 +10,15 @@ from click.core import ParameterSource
 
 from rl_tui.commands.line.output import complain, print_json, progress
 from rl_tui.commands.line.program import FAILED
-from rl_tui.commands.options.run import Real, Whole, allow_module_option, json_option, seed_option
+from rl_tui.commands.options.run import (
+    FILE,
+    LESSON,
+    Real,
+    Whole,
+    allow_module_option,
+    json_option,
+    seed_option,
+)
 
 MOST: int = 10**15
 MOST_SEEDS: int = 10_000
@@ -21,14 +29,14 @@ WARNING = (
 
 
 @click.command("grade")
-@click.argument("target", metavar="FILE.py[:NAME]|SESSION.json|FOLDER")
-@click.argument("lesson", metavar="[LESSON]", required=False)
-@click.option("--scenario", metavar="ID|FILE.toml", help="the world that submissions learn in")
+@click.argument("target", metavar="FILE.py[:NAME]|SESSION.json|FOLDER", type=FILE)
+@click.argument("lesson", metavar="[LESSON]", required=False, type=LESSON)
+@click.option("--scenario", metavar="ID|FILE.toml", help="the world in which submissions learn")
 @click.option("--seeds", type=Whole(1, MOST_SEEDS), default=20, show_default=True, help="number of seeds")
 @click.option(
     "--episodes",
     type=Whole(1, MOST),
-    help="episodes to train an agent  [default: the scenario's]; a script decides itself",
+    help="number of episodes to train an agent  [default: the scenario's]; a script sets its own",
 )
 @click.option(
     "--threshold",
@@ -41,7 +49,7 @@ WARNING = (
 @click.option(
     "--memory", type=Whole(256, MOST), default=2048, show_default=True, help="memory limit of a seed in MB"
 )
-@click.option("--programs", is_flag=True, help="run the programs in sessions, to judge their tasks")
+@click.option("--programs", is_flag=True, help="run programs in sessions, to judge their tasks")
 @seed_option
 @allow_module_option
 @json_option
@@ -60,22 +68,24 @@ def command(
 ) -> None:
     """Grade an agent, a script or a folder of them; or sessions of a LESSON.
 
-    A submission is graded by the exact return of the greedy policy of its table, with ties shared evenly. Its
-    share of the best is 1 - (best - return) / stake: 1 for the best policy, less for lower returns. The stake
-    adds up what the best policy earns and pays in an episode, each counted as positive. If all rewards are
-    positive, the share is return / best. A submission passes if its mean share over the seeds reaches the
-    threshold and no seed failed.
+    A submission is graded by the exact return of its greedy policy, with ties shared evenly. Its share of the
+    best is 1 - (best - return) / stake: 1 for the best policy, less for lower returns. The stake is the sum
+    of the absolute rewards in an episode of the best policy. If all rewards are positive, the share is return
+    / best. A submission passes if its mean share over the seeds reaches the threshold and no seed failed.
 
     With a LESSON (an ID or a FILE.toml), a session of that lesson is graded, or every session in a folder.
-    All its actions are repeated from step 0, and the tasks are judged by the results. A program in a session
+    The program repeats all actions from step 0, and judges the tasks by the results. A program in a session
     runs only with --programs. Without this option, the task of the program is not judged. A session proves
     the run, not who made it.
 
     The exit status is 0 if all have passed, else 1.
     """
     from rl_tui.commands.line.screen import refuse_where_served
+    from rl_tui.programs.watched.program_process import refuse_without_posix
 
     refuse_where_served()
+    if lesson is None or programs:
+        refuse_without_posix()
     if lesson is not None:
         _check_lesson_usage(target)
         if programs:
@@ -131,16 +141,17 @@ def command(
 
 def _what_is_missing(target: str) -> str:
     if target.endswith(".json"):
-        return f"{target} is a session: give the lesson after it, such as rl-tui grade SESSION.json q-by-hand"
-    return "Missing option '--scenario'; or give a lesson after a session or a folder of sessions"
+        return (
+            f"{target} is a session: name its lesson after the file, such as "
+            "rl-tui grade SESSION.json q-by-hand"
+        )
+    return (
+        "Missing option '--scenario', the world of the agents. To grade sessions, add their lesson: "
+        "rl-tui grade FOLDER LESSON"
+    )
 
 
 def _check_lesson_usage(target: str) -> None:
-    """Refuse options that do not apply to lessons.
-
-    Raises:
-        click.UsageError: An option for submissions was given, or `target` is a script.
-    """
     context = click.get_current_context()
     given = [
         f"--{name}"

@@ -11,7 +11,7 @@ import click
 from rl_tui.commands.line.output import columns, complain, print_json
 from rl_tui.commands.line.screen import enter_kiosk, kiosk_option
 from rl_tui.commands.options.display import display_of, display_options
-from rl_tui.commands.options.run import Whole, allow_module_option, json_option
+from rl_tui.commands.options.run import LESSON, Whole, allow_module_option, json_option
 from rl_tui.common.errors import UserError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @click.command("learn")
-@click.argument("lesson", metavar="[ID|FILE.toml]", required=False)
+@click.argument("lesson", metavar="[ID|FILE.toml]", required=False, type=LESSON)
 @click.option(
     "--variant",
     type=Whole(1),
@@ -66,13 +66,7 @@ def command(
 
 
 def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | StoredSession:
-    """Return the start of a lesson, or the session in which to continue it.
-
-    All checks happen here, before the screen opens.
-
-    Raises:
-        UserError: The lesson does not exist or has errors.
-    """
+    """Return the start of a lesson, or the session in which to continue it."""
     from rl_tui.common.kiosk import in_kiosk
     from rl_tui.lessons.catalogue import find_lesson
     from rl_tui.lessons.file.setups import check_setups
@@ -90,11 +84,7 @@ def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | S
 
 
 def _says_the_same(lesson: Lesson, session: StoredSession) -> bool:
-    """Return True if `lesson` may continue in `session`.
-
-    A lesson file that was edited since starts again, so that its author sees the new text. A shipped lesson
-    always continues.
-    """
+    # Shipped, or its file was not edited since
     from rl_tui.lessons.lesson import lesson_folder, read_lesson
 
     stored = session.document.lesson

@@ -8,12 +8,18 @@ from typing import Any
 import click
 
 from rl_tui.commands.options.display import display_of, display_options
-from rl_tui.commands.options.run import SectionedCommand, allow_module_option, run_options, seed_option
+from rl_tui.commands.options.run import (
+    SCENARIO,
+    SectionedCommand,
+    allow_module_option,
+    run_options,
+    seed_option,
+)
 from rl_tui.common.findings import shown
 
 
 @click.command("edit", cls=SectionedCommand)
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", required=False)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", required=False, type=SCENARIO)
 @allow_module_option
 @run_options
 @seed_option

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
-
 import click
 
 from rl_tui.commands.line.output import complain
 from rl_tui.commands.options.run import Whole
-from rl_tui.common.findings import shown
+from rl_tui.common.findings import command_line, shown
 
 
 @click.command("new")
@@ -39,6 +37,6 @@ def command(name: str, template: str, seed: int, rows: int | None, columns: int 
     path = new_path(f"{stem}{SUFFIX}")
     write_new(path, named(template_text(template, seed, rows, columns), stem))
     complain(f"{path} is written")
-    argument = shlex.quote(f"./{path}" if stem.startswith("-") else str(path))
+    argument = command_line([f"./{path}" if stem.startswith("-") else str(path)])
     click.echo(f"rl-tui edit {argument}")
     click.echo(f"rl-tui check --deep {argument}")

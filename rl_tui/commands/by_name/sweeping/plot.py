@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
-from rl_tui.commands.options.run import out_option
+from rl_tui.commands.options.run import FILE, out_option
 
 
 @click.command("plot")
-@click.argument("results", metavar="RESULTS...", nargs=-1, required=True)
+@click.argument("results", metavar="RESULTS...", nargs=-1, required=True, type=FILE)
 @out_option
 @click.option("--measure", metavar="NAME", help="metric to draw, by its name in the results")
 @click.option("--x", metavar="NAME", help="setting on the horizontal axis, for a sweep")
@@ -21,9 +21,9 @@ def command(
     """Draw results as a picture.
 
     RESULTS is the JSON of train --runs or of sweep, the store of a sweep, or the CSV of train --curve. Curves
-    have a band, the 95 % interval of the mean. Several files of curves share one chart. If a sweep varies one
-    number, you get a curve with a line for each value of the other settings; with two numbers, a settings
-    map. Without --out the picture appears in the terminal. An example:
+    have a band: the 95 % interval of the mean. Several files of curves share one chart. A sweep over one
+    number becomes a chart, with a line for each value of the other settings. A sweep over two numbers becomes
+    a settings map. Without --out the picture appears in the terminal. An example:
 
     rl-tui train cliff --runs 50 --json > cliff.json && rl-tui plot cliff.json --out cliff.svg
     """

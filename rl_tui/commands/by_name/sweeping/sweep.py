@@ -56,7 +56,7 @@ class VariationValue(OptionValue):
         return self.name
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Variation:
-        """Return the variation, or fail with the expected form."""
+        """Parse a variation."""
         from rl_tui.studies.sweeps.cells.variation import Variation, read_variation
 
         if isinstance(value, Variation):
@@ -73,7 +73,7 @@ class ShardValue(OptionValue):
     name = "I/N"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Shard:
-        """Return the shard, or fail with the expected form."""
+        """Parse a shard."""
         from rl_tui.studies.sweeps.plan import Shard
 
         if isinstance(value, Shard):
@@ -91,7 +91,7 @@ class MeasureValue(OptionValue):
     name = "MEASURE"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Measure:
-        """Return the metric, or fail with the list of all metrics."""
+        """Parse a metric, or fail with all metrics."""
         from rl_tui.runs.measures import Measure
         from rl_tui.studies.sweeps.cell import MEASURES
 
@@ -108,7 +108,7 @@ class SchedulerValue(OptionValue):
     name = "ADDRESS"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Return the address, or fail with an example."""
+        """Parse an address."""
         if not _ADDRESS.fullmatch(str(value)):
             self.fail(f"{value} is not the address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
         return str(value)
@@ -133,18 +133,18 @@ def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
 
     with progress("merging") as bar:
         merged = merge(out, stores, bar)
-    click.echo(f"{out}: {counted(merged.new, 'new run')}, {merged.same:,} that were there already")
+    click.echo(f"{out}: {counted(merged.new, 'new run')}, {merged.same:,} already there")
     if merged.kept:
         complain(f"{counted(merged.kept, 'run')} differ from another machine's; the first results are kept")
 
 
 class SweepCommand(SectionedCommand):
-    """The ``sweep`` command, which has one subcommand: ``sweep merge``."""
+    """``sweep``, with the subcommand ``sweep merge``."""
 
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
     ) -> click.Context:
-        """Return the context of ``sweep`` or of ``sweep merge``."""
+        """Return the context of either command."""
         if args[:1] == [merge_command.name]:
             return merge_command.make_context(f"{info_name} {args[0]}", args[1:], parent=parent, **extra)
         return super().make_context(info_name, args, parent=parent, **extra)
@@ -158,8 +158,10 @@ class SweepCommand(SectionedCommand):
     type=VariationValue(),
     multiple=True,
     required=True,
-    help="vary a setting, algorithm, policy, scenario or world.KEY: COUNT values from FROM to TO, with "
-    ":log in equal ratios, or a list A,B,C; repeat it for all combinations",
+    help=(
+        "vary a setting, algorithm, policy, scenario or world.KEY. Give a list A,B,C, or COUNT values "
+        "from FROM to TO (:log for equal ratios). Repeat it for all combinations"
+    ),
 )
 @click.option(
     "--runs",
@@ -215,8 +217,8 @@ def command(
 ) -> None:
     """Train every combination of settings under the same seeds, and find the best.
 
-    With a store, an interrupted sweep continues where it stopped, and an extended one trains only the
-    new runs. An example:
+    With a store, an interrupted sweep continues where it stopped, and a larger sweep trains only the new
+    runs. An example:
 
     rl-tui sweep cliff --vary alpha=0.05:1:20 --vary algorithm=q-learning,sarsa --store cliff.sqlite
 
@@ -262,11 +264,6 @@ def command(
 
 
 def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -> None:
-    """Refuse options that do not fit a part of a sweep.
-
-    Raises:
-        click.UsageError: There is no store, or output was requested.
-    """
     if shard is None:
         return
     if store is None:
@@ -282,13 +279,7 @@ def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -
 
 
 def _workers(jobs: int | None, dask: str | None, tell: Callable[[str], None]) -> Workers:
-    """Return threads of this machine, or the workers of a Dask cluster.
-
-    Args:
-        jobs: Number of threads; None: one per core.
-        dask: Address of the scheduler, or None.
-        tell: Called with problems of the cluster.
-    """
+    # `jobs` threads of this machine, or the workers of a Dask cluster
     if dask is not None:
         from rl_tui.studies.sweeps.cluster.dask_workers import DaskWorkers
 
@@ -320,7 +311,7 @@ def _train(
                 plan, store, shard=shard, workers=workers(_complain_below_bar), on_progress=on_progress
             )
         except KeyboardInterrupt:
-            kept = f"kept in {store.name}: the same line goes on"
+            kept = f"kept in {store.name}: repeat the command to continue"
             where = kept if is_kept else "lost; --store would keep them"
             _complain_below_bar(
                 f"interrupted: {latest.done:,} of {counted(latest.planned, 'run')} are {where}"
@@ -347,7 +338,6 @@ def _report(
     again: bool,
     as_json: bool,
 ) -> None:
-    """Train the best cells again on fresh seeds, and print the results."""
     from rl_tui.common.files import file_or_stream
     from rl_tui.studies.sweeps.document import best_documents, json_pieces, write_csv
     from rl_tui.studies.sweeps.ranking import standings_of

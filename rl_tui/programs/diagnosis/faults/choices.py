@@ -1,4 +1,4 @@
-"""Choices of actions: those that may keep a program from any reward, and steps after the end."""
+"""Choices of actions that may prevent any reward, and steps after the end."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ _DEVIATIONS: Final = 10.0
 
 
 class Risk(NamedTuple):
-    """A risk with the probability that random choices among equal values do no better, `luck`."""
+    """A risk, with the probability `luck` that random choices among equal values do no better."""
 
     proof: Proof
     luck: float
 
 
 def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Risk | None:
-    """Return the risk in the choices of a program that has learned nothing, if it prefers an action."""
+    """Return the risk of preferring an action before learning."""
     if evidence.changes.step.size or evidence.initial.any():
         return None  # a dict filled with zeros has learned nothing
     if not len(evidence) or evidence.reward.any():
@@ -52,16 +52,15 @@ def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Ri
 
 
 def proof_of_risk(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
-    """Return the risk if bad luck is ruled out: random choices would almost surely have found a reward."""
+    """Return the risk if random choices would almost surely have found a reward."""
     risk = risk_of_choices(evidence, log, names)
     if risk is None or risk.luck >= MOST_LUCK:
         return None
-    sure = f" Random actions would have found one with a chance above {1.0 - MOST_LUCK}."
+    sure = f" Random actions would have found a reward with a probability above {1.0 - MOST_LUCK}."
     return replace(risk.proof, text=risk.proof.text + sure)
 
 
 def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
-    """Return the probability that random actions find a reward in `episodes` episodes, or None if unknown."""
     if len(log.environments) != 1:
         return None
     try:
@@ -85,8 +84,8 @@ def _proof(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) 
             evidence.number[chosen],
             0,
             f"All {len(chosen):,} actions were action {favourite}. {without}",
-            f"take a random action with probability ε, and one of the best otherwise: "
-            f"{names.action} = random.randrange({evidence.actions})",
+            f"take a random action with probability ε, otherwise one of the best: {names.action} = "
+            f"random.randrange({evidence.actions})",
             CodePlace.CHOICE,
         )
     return Proof(
@@ -108,8 +107,9 @@ _UNDEFINED: Final = re.compile(r"(FrozenLake(8x8)?|CliffWalking(Slippery)?|Taxi|
 
 
 def proof_of_steps_after_end(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
-    """Prove that `env.step` is called in the terminal state. In other environments than Gymnasium's own, an
-    end may be a limit, or the next episode may begin automatically.
+    """Prove that `env.step` is called in a terminal state of Gymnasium's own environments.
+
+    Elsewhere an end may be a limit, or the next episode may begin automatically.
     """
     undefined = [each.number for each in log.environments if _UNDEFINED.fullmatch(each.id)]
     order = np.lexsort((evidence.number, evidence.episode))

@@ -1,4 +1,4 @@
-"""Wrong signs and misplaced terms: every step follows one linear formula that no correct update has."""
+"""Wrong signs and misplaced terms: all steps follow a linear formula of no correct update."""
 
 from __future__ import annotations
 
@@ -45,8 +45,9 @@ _ONE_PLAYER: Final = ("FrozenLake", "CliffWalking", "Taxi", "Blackjack", OWN_IDS
 
 @dataclass(frozen=True)
 class _Formula:
-    """change = reward · r + value · V + old · Q(s, a) + constant on all `steps` of `sample`, where V is the
-    next value of `target`. If all rewards are equal, the constant contains them, and `reward` has no value.
+    """change = reward · r + value · V + old · Q(s, a) + constant, where V is the next value of `target`.
+
+    Equal rewards are part of the constant.
     """
 
     sample: Sample
@@ -59,14 +60,12 @@ class _Formula:
 
     @property
     def sizes(self) -> FloatArray:
-        """Sum of the absolute terms of each step, `[n]`."""
         sample = self.sample
         size: FloatArray = np.abs((self.reward or 0.0) * sample.reward) + np.abs(self.old * sample.old)
         return size + np.abs(self.value * sample.value(self.target)) + abs(self.constant)
 
     @property
     def residual(self) -> FloatArray:
-        """Unexplained part of each step, `[n]`."""
         sample = self.sample
         sum_: FloatArray = (self.reward or 0.0) * sample.reward + self.old * sample.old + self.constant
         return np.abs(sum_ + self.value * sample.value(self.target) - sample.change)
@@ -85,14 +84,11 @@ class _Formula:
 
 
 def _term(factor: float, what: str) -> str:
-    """Return one term of a formula, without a factor of 1."""
     return what if what and factor == 1.0 else f"{written(factor)} {what}".rstrip()
 
 
 @dataclass(frozen=True)
 class _Mistake:
-    """What is wrong with a formula, and the column, `[n]`, that shows it where it is not 0."""
-
     text: str
     shown_by: FloatArray
     certainty: Literal["proven", "declared"] = "proven"
@@ -102,13 +98,13 @@ class _Mistake:
 def proof_of_formula(
     evidence: Evidence, update: UpdateFound, log: ProgramLog, names: CodeNames
 ) -> Proof | None:
-    """Prove that an exact linear formula moves the table, but with a wrong sign or a misplaced term.
+    """Prove an exact linear formula with a wrong sign or a misplaced term.
 
-    A reward of the program's own may have any factor and any constant, so only the factors of the two
-    estimates are judged.
+    The program's own reward may have any factor and constant, so only the factors of the estimates are
+    judged.
     """
     is_right = update.rule is not Rule.UNKNOWN and update.reward == "environment"
-    if evidence.precision > EXACT or (is_right and (update.gamma or 0.0) <= 1.0):
+    if evidence.is_pair or evidence.precision > EXACT or (is_right and (update.gamma or 0.0) <= 1.0):
         return None
     sample = sample_of(evidence, MovedCell.TAKEN)
     found = [each for each in (_formula(sample, target, log.numbers) for target in _READ) if each]
@@ -138,7 +134,6 @@ def proof_of_formula(
 
 
 def _formula(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> _Formula | None:
-    """Return the formula that all inner steps of `sample` follow exactly, or None."""
     steps = ~sample.ended
     moving = steps & (sample.change != 0.0)
     if moving.sum() < _FEWEST_EQUATIONS:
@@ -158,11 +153,11 @@ def _formula(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float])
     plain = [0.0 if abs(x) < 1e-9 * largest else plainest(x, numbers, _NEAR * 1e-2) for x in factors]
     of_value, of_old, constant = plain[:3]
     formula = _Formula(sample, steps, target, plain[3] if varies else None, of_value, of_old, constant)
-    return formula if np.all((formula.residual <= _RESIDUAL * formula.sizes)[steps]) else None
+    allowed = _RESIDUAL * formula.sizes + np.finfo(np.float64).tiny  # smaller numbers have fewer digits
+    return formula if np.all((formula.residual <= allowed)[steps]) else None
 
 
 def _mistake(formula: _Formula, log: ProgramLog) -> _Mistake | None:
-    """Return what is wrong with the factors of `formula`, or None if it may be an update."""
     next_value, old = formula.sample.value(formula.target), formula.sample.old
     reward, value, own = formula.reward, formula.value, formula.old
     near = _NEAR * max(abs(value), abs(own))
@@ -181,23 +176,41 @@ def _mistake(formula: _Formula, log: ProgramLog) -> _Mistake | None:
     if value > -own * _CLEARLY_ABOVE:
         text = f"That is γ {written(-value / own)}, and γ is at most 1."
         return _Mistake(text, next_value * value)
+    if own < -_CLEARLY_ABOVE:
+        return _replaced(formula, log.numbers)
     return _misplaced(formula, log.numbers)
 
 
+def _replaced(formula: _Formula, numbers: Mapping[str, float]) -> _Mistake:
+    """Tell Q ← α (target − Q), with = in place of +=, from a step size above 1."""
+    text = f"Q(s, a) is subtracted {written(-formula.old)} times, as with = in place of += or with α above 1."
+    for name, alpha in _step_sizes(numbers).items():
+        if _is(formula.old, -1.0 - alpha):
+            text = f"`{name}` is {written(alpha)}, so the old Q(s, a) is lost, as with = in place of +=."
+            return _Mistake(text, formula.sample.old, "declared")
+    return _Mistake(text, formula.sample.old)
+
+
+def _step_sizes(numbers: Mapping[str, float]) -> dict[str, float]:
+    named = {name.rpartition(".")[2]: x for name, x in numbers.items()}
+    return {name: x for name, x in named.items() if _STEP_SIZE.search(name) and 0.0 < x < 1.0}
+
+
 def _misplaced(formula: _Formula, numbers: Mapping[str, float]) -> _Mistake | None:
-    """Return the mistake Q ← α · target or Q ← α r + γ V, where α does not multiply all three terms. It
-    relies on names in the code.
-    """
-    if not _is(formula.old, -1.0):
-        return None
+    """Find Q ← α · target and Q ← α r + γ V, where α does not multiply all three terms, or γ two of them."""
     named = {name.rpartition(".")[2]: x for name, x in numbers.items()}
     discounts = {name: x for name, x in named.items() if DISCOUNT.search(name)}
-    sizes = {name: x for name, x in named.items() if _STEP_SIZE.search(name) and 0.0 < x < 1.0}
-    for name, alpha in sizes.items():
+    for name, alpha in _step_sizes(numbers).items():
         if formula.reward is not None and not _is(formula.reward, alpha):
             continue
         for discount, gamma in discounts.items():
             values = f"`{name}` is {written(alpha)} and `{discount}` is {written(gamma)}"
+            is_discounted = _is(formula.value, alpha * gamma) and _is(formula.old, -formula.value)
+            if formula.reward is not None and 0.0 < gamma < 1.0 and is_discounted:
+                text = f"{values}, so γ multiplies Q(s, a) too."
+                return _Mistake(text, formula.sample.old * alpha * (1.0 - gamma), "declared")
+            if not _is(formula.old, -1.0):
+                continue
             if _is(formula.value, alpha * gamma) and not any(_is(x, formula.value) for x in named.values()):
                 text = f"{values}, so (1 − α) Q(s, a) is missing."
                 return _Mistake(text, formula.sample.old, "declared")

@@ -1,8 +1,4 @@
-"""Bugs that predict another new value than the correct update does, as one table of hypotheses.
-
-A row has the steps on which it is tested, the predictions of the bug and of the correct update, and the words
-of the finding. Steps on which both predict the same do not count.
-"""
+"""Bugs that predict other new values than the correct update, as one table."""
 
 from __future__ import annotations
 
@@ -18,7 +14,7 @@ from rl_tui.programs.diagnosis.faults.cells import MOST_STEPS, CodePlace, Proof,
 from rl_tui.programs.diagnosis.faults.predictions import Predictions
 from rl_tui.programs.evidence.code_names import DISCOUNT, CodeNames
 from rl_tui.programs.evidence.evidence import Evidence
-from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, UpdateTarget
+from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 # A hypothesis
@@ -28,6 +24,8 @@ _NEAR: Final = 1e-6
 _LEAST_DISCOUNT: Final = 1e-3
 """A smaller discount may be a rounding error."""
 _MOST_REWARDS: Final = 20_000
+_ONE_TABLE: Final = (UpdateTarget.BEST, UpdateTarget.OTHER_BEST)
+"""Targets that read one of two tables only."""
 _MOST_COLUMNS: Final = 2_000
 """Most steps checked with the maximum of a column, which is as long as the number of states."""
 _EITHER_END: Final = "done"
@@ -36,15 +34,11 @@ _EITHER_END: Final = "done"
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A program whose update is known.
+    """A program whose update is known, with the reward that it uses, `[N]`.
 
     Attributes:
-        predictions: Predictions of its update.
-        reward: Reward that it uses, `[N]`.
-        names: Names in the code.
-        numbers: Numbers in the code by name.
-        done_is_either: True if the program receives one flag for terminal and truncated ends, so that a
-            missing bootstrap is not its fault.
+        done_is_either: True if one flag is for terminal and truncated ends, so that a missing bootstrap is
+            not its fault.
         may_be_own: True if its rewards may differ, or it sets estimates to a constant. An updated estimate
             may then stay the same.
     """
@@ -58,7 +52,7 @@ class Case:
 
     @property
     def evidence(self) -> Evidence:
-        """The steps of the program."""
+        """The program's steps."""
         return self.predictions.evidence
 
     @property
@@ -68,14 +62,14 @@ class Case:
 
     @property
     def bootstraps(self) -> bool:
-        """True if the target has the environment's reward and the next value."""
+        """True if the target also has the next value."""
         update = self.predictions.update
         has_next = update.target is not UpdateTarget.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT
         return self.uses_reward and has_next
 
 
 class Tested:
-    """The n steps of a case on which a hypothesis is tested, with the new values to expect."""
+    """The n steps on which a hypothesis is tested."""
 
     def __init__(self, case: Case, which: BoolArray, most: int) -> None:
         self.case, self.evidence = case, case.evidence
@@ -91,7 +85,7 @@ class Tested:
 
     @cached_property
     def with_next(self) -> FloatArray:
-        """New values with the next value in the target, `[n, K]`."""
+        """New values with the next value, `[n, K]`."""
         return self.after(self.values)
 
     @cached_property
@@ -100,29 +94,29 @@ class Tested:
         return self.after(np.zeros((len(self.at), 1)))
 
     def after(self, values: FloatArray, reward: FloatArray | None = None) -> FloatArray:
-        """Return the new values for the next `values`, `[n, K]`, and the `reward`, `[n]`."""
+        """Return new values for the next `values`, `[n, K]`, and `reward`, `[n]`."""
         used = self.reward if reward is None else reward
         return self.case.predictions.after(self.readings, used, values)
 
     def step(self, place: int) -> str:
-        """Return the step at `place` for a sentence."""
+        """Describe the step at `place`."""
         return step_text(self.evidence.number[self.at[place]])
 
     def move(self, place: int) -> str:
-        """Return the old and new value of the step at `place` for a sentence."""
+        """Describe the change of the step at `place`."""
         before, after = written(self.readings.before[place]), written(self.readings.after[place])
         return f"stayed {after}" if before == after else f"changed from {before} to {after}"
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A bug with its predictions. `text` describes the step at a place of the tested ones.
+    """A bug with its predictions.
 
     Attributes:
-        applies: Whether the case can have it.
         steps: Steps on which it is tested, `[N]`.
         wrong: New values with the bug, `[n, K]`.
         right: New values without it, `[n, L]`.
+        text: Describes the tested step at a place.
         shows: Steps that may speak for it, `[n]`, all by default.
         any_other: True if steps with a third result oppose it.
     """
@@ -141,7 +135,7 @@ class Hypothesis:
     any_other: bool = False
 
     def proof(self, case: Case) -> Proof | None:
-        """Count the steps of `case` for and against the bug, or return None if it does not apply."""
+        """Count the steps for and against it, if it applies."""
         predictions = case.predictions
         is_late = predictions.update.place is MovedCell.ONE_LATE
         if not predictions.is_known or is_late or not self.applies(case):
@@ -183,7 +177,6 @@ def _cut_off(case: Case) -> BoolArray:
 
 
 def _ended_after_a_change(case: Case) -> BoolArray:
-    """Return True for last steps after a change in the same episode, `[N]`."""
     evidence = case.evidence
     changing = np.flatnonzero(evidence.changes_of > 0)
     first = np.full(int(evidence.episode.max(initial=0)) + 1, len(evidence))
@@ -196,7 +189,6 @@ def _ended_after_a_change(case: Case) -> BoolArray:
 
 
 def _bootstrap_text(tested: Tested, place: int, *, what: str, has_next: bool) -> str:
-    """Return sentences about an end. `has_next` is True if the program's targets contain the next value."""
     state, action = divmod(int(tested.case.predictions.moved_cell[tested.at[place]]), tested.evidence.actions)
     nearest = int(np.abs(tested.with_next[place] - tested.readings.after[place]).argmin())
     expected = tested.without[place, 0] if has_next else tested.with_next[place, nearest]
@@ -231,10 +223,35 @@ def _axis_text(tested: Tested, place: int) -> str:
     )
 
 
+def _own_state_text(tested: Tested, place: int) -> str:
+    at = tested.at[place]
+    state, next_state = tested.evidence.state[at], tested.evidence.next_state[at]
+    return (
+        f"At {tested.step(place)} the target contained {written(tested.values[place, 0])}, the largest value "
+        f"in state {state}, which the step left. It should contain {written(_best(tested)[place, 0])}, the "
+        f"largest value in the next state {next_state}."
+    )
+
+
+def _table_text(tested: Tested, place: int) -> str:
+    names, predictions, at = tested.case.names, tested.case.predictions, tested.at[[place]]
+    own, other = names.table, names.other
+    if tested.evidence.table[at[0]]:
+        own, other = other, own
+    read = own if predictions.update.target is UpdateTarget.BEST else other
+    right = predictions.values(at, UpdateTarget.BEST_BY_OTHER)[0, 0]
+    state = tested.evidence.next_state[at[0]]
+    return (
+        f"At {tested.step(place)} {own} changed. The target contained {written(tested.values[place, 0])}, "
+        f"the maximum of {read} in state {state}. It should contain {written(right)}, the value in {other} "
+        f"of the best action in {own}."
+    )
+
+
 def _twice_text(tested: Tested, _: int) -> str:
     name, root = _root(tested.case)
     once, twice = written(root), written(tested.case.predictions.gamma)
-    return f"The table changes as with γ {twice}. Your `{name}` is {once}, and {once}² = {twice}."
+    return f"The table changes as if γ = {twice}. Your `{name}` is {once}, and {once}² = {twice}."
 
 
 def _step_size_text(tested: Tested, _: int) -> str:
@@ -258,12 +275,18 @@ def _best(tested: Tested) -> FloatArray:
     return tested.case.predictions.values(tested.at, UpdateTarget.BEST)
 
 
+def _of_both(tested: Tested) -> FloatArray:
+    """Let one table choose the next action, and the other one give its value."""
+    of, at = tested.case.predictions.values, tested.at
+    values = (of(at, UpdateTarget.BEST_BY_OTHER), of(at, UpdateTarget.OTHERS_CHOICE))
+    return tested.after(np.concatenate(values, axis=1))
+
+
 def _with_or_without(tested: Tested) -> FloatArray:
     return np.concatenate((tested.with_next, tested.without), axis=1)
 
 
 def _allowed(tested: Tested) -> FloatArray:
-    """Return the new values with the nearest allowed step size."""
     alpha = tested.case.predictions.update.alpha or 0.0
     nearest = 1.0 / alpha if alpha > 1.0 else 0.0
     return tested.before + nearest * (_with_or_without(tested) - tested.before)
@@ -276,9 +299,7 @@ def _is_out_of_range(case: Case) -> bool:
 
 
 def _root(case: Case) -> tuple[str, float]:
-    """Return the name and value of the discount whose square moves the table, or "" and 1 if the code has
-    the found discount itself.
-    """
+    """Return the discount whose square moves the table, or 1 if the code has the found discount."""
     gamma, numbers = case.predictions.update.gamma, case.numbers
     if (
         gamma is None
@@ -300,6 +321,20 @@ def _root(case: Case) -> tuple[str, float]:
 
 HYPOTHESES: Final = (
     Hypothesis(
+        CodeFault.WRONG_TABLE,
+        applies=lambda case: (
+            case.predictions.update.rule is Rule.DOUBLE_Q and case.predictions.update.target in _ONE_TABLE
+        ),
+        steps=_inner,
+        wrong=lambda tested: tested.with_next,
+        right=_of_both,
+        text=_table_text,
+        correction=lambda case: (
+            f"choose the action by the table that changes, and take its value from the other one, so for "
+            f"{case.names.table}: {case.names.target()}"
+        ),
+    ),
+    Hypothesis(
         CodeFault.WRONG_AXIS,
         applies=lambda case: case.predictions.update.target is UpdateTarget.COLUMN,
         steps=_inner,
@@ -313,6 +348,22 @@ HYPOTHESES: Final = (
         most=_MOST_COLUMNS,
     ),
     Hypothesis(
+        CodeFault.WRONG_FORMULA,
+        applies=lambda case: (
+            case.bootstraps
+            and case.predictions.update.target is UpdateTarget.OWN_STATE
+            and case.predictions.update.place is MovedCell.TAKEN
+        ),
+        steps=_inner,
+        wrong=lambda tested: tested.with_next,
+        right=lambda tested: tested.after(_best(tested)),
+        text=_own_state_text,
+        correction=lambda case: (
+            f"read the value of the next state, {case.names.best()}: {case.names.target()}"
+        ),
+        any_other=True,
+    ),
+    Hypothesis(
         CodeFault.LOSES_UPDATE,
         applies=lambda case: case.uses_reward and not case.may_be_own,
         steps=_ended_after_a_change,
@@ -320,7 +371,7 @@ HYPOTHESES: Final = (
         right=_with_or_without,
         text=_lost_text,
         correction=lambda case: (
-            "update after the last step of an episode too, before you leave the loop: " + case.names.target()
+            "also update after the last step of an episode, before you leave the loop: " + case.names.target()
         ),
         place=CodePlace.CALL,
         any_other=True,  # whatever changed it, such a step has an update
@@ -389,8 +440,6 @@ HYPOTHESES: Final = (
 
 
 def _shifted(before: FloatArray) -> Hypothesis:
-    """Return the hypothesis that the target has the reward `before` the step, `[N]`."""
-
     def values(tested: Tested) -> FloatArray:
         ended = (tested.evidence.terminated | tested.evidence.truncated)[tested.at]
         without = np.where(ended[:, None], 0.0, tested.values)  # bootstrapping there is a separate question
@@ -419,7 +468,7 @@ def _shifted(before: FloatArray) -> Hypothesis:
 
 
 def proofs_of(case: Case) -> Iterator[Proof | None]:
-    """Test all hypotheses on `case`, whose reward is the environment's, first the one about the reward."""
+    """Test all hypotheses, first the one about the reward."""
     evidence = case.evidence
     within = np.where(evidence.episode_step == 0, 0.0, evidence.reward_before)
     for before in (evidence.reward_before, within):

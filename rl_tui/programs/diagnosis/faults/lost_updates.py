@@ -36,8 +36,9 @@ memory.
 def proof_of_rounding(
     evidence: Evidence, dtype: str, numbers: Mapping[str, float], names: CodeNames, *, writes: bool
 ) -> Proof | None:
-    """Prove that a table of integers truncates its updates. Either numbers in the code explain the integer
-    parts, or rewards leave no trace although the code writes.
+    """Prove that a table of integers truncates its updates.
+
+    Numbers in the code explain the integer parts, or written rewards leave no trace.
     """
     never_moves = not evidence.changes.step.size
     if not dtype.startswith(("int", "uint")) or (never_moves and not writes):
@@ -59,8 +60,7 @@ def proof_of_rounding(
 
 
 def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray, str] | None:
-    """Return the steps with truncated updates, if numbers in the code explain all of them."""
-    plain = (evidence.changes_of == 0) | (evidence.only_change[0] == evidence.cell)
+    plain = evidence.stays | (evidence.only_change[0] == evidence.cell)
     at = some_of(np.flatnonzero(plain & ((evidence.changes_of == 1) | (evidence.reward != 0.0))), _MOST)
     before = evidence.history.before(evidence.cell[at], evidence.number[at])
     after = np.where(evidence.changes_of[at] == 1, evidence.only_change[2][at], before)
@@ -80,7 +80,6 @@ def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray
 
 
 def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
-    """Return the steps whose reward should have moved a 0, if none of them did."""
     at = some_of(np.flatnonzero(evidence.reward != 0.0))
     before = evidence.history.before(evidence.cell[at], evidence.number[at])
     best = evidence.rows(evidence.next_state[at], at).max(1, initial=-np.inf)
@@ -95,9 +94,7 @@ def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
 def proof_of_no_update(
     evidence: Evidence, names: CodeNames, code: ProgramCode, *, is_over: bool
 ) -> Proof | None:
-    """Prove that nothing ever moves, although rewards came and the code writes to the table, or the update
-    of an agent is missing.
-    """
+    """Prove that written rewards move nothing, or that an agent lacks its update."""
     lacks_update = code.lacks_update
     if evidence.recording.first or evidence.changes.step.size or len(np.unique(evidence.initial)) > 1:
         return None  # an earlier or loaded table is only used
@@ -124,24 +121,23 @@ def proof_of_no_update(
 
 
 def _reward_at(step: int, reward: float) -> str:
-    """Return the clause about the reward of `step`."""
     return f"At {step_text(step)} the reward was {written(reward)}"
 
 
 def _fix(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: ProgramCode) -> str:
-    """Return the correction if the `rewarded` steps never changed the table."""
     update = f"{names.cell()} += {names.alpha} * (target - {names.cell()})"
     if code.lacks_update:
         return f"add the missing update: {names.target()}; {update}"
     left = code.left_before_update()
     if left is not None and (evidence.terminated | evidence.truncated)[rewarded].all():
         return (
-            f"update before line {left.line}, which leaves the loop at the end of an episode, where every "
-            f"reward is: {names.target()}"
+            f"update before line {left.line}, which leaves the loop at the end of an episode, where all "
+            f"rewards are: {names.target()}"
         )
     if not code.always_writes:
         return (
-            f"update after the last step of an episode too, where every reward is: {names.target()}; {update}"
+            f"also update after the last step of an episode, where all rewards are: {names.target()}; "
+            f"{update}"
         )
     return f"write the new estimate into the table itself after each step: {update}"
 
@@ -163,7 +159,6 @@ def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
 
 
 def _tells(evidence: Evidence, initial: float) -> BoolArray:
-    """Return True for steps that move an estimate of `initial`, whatever the discount."""
     reward = evidence.reward
     if initial == 0.0:
         tells: BoolArray = reward != 0.0

@@ -1,4 +1,4 @@
-"""Predictions of each step by the update found, and the bugs they prove."""
+"""Predictions of each step by the update found."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _MOST_COLUMNS: Final = 2_000_000
 
 
 class Readings(NamedTuple):
-    """The values in the moved cell before and after n steps, `[n]` each."""
+    """The moved cells before and after n steps, `[n]` each."""
 
     at: IntArray
     """Indexes of the steps in the evidence."""
@@ -40,7 +40,7 @@ class Readings(NamedTuple):
 
 
 class Witnesses(NamedTuple):
-    """Of n steps that distinguish two hypotheses, those that support each, `[n]`."""
+    """Steps that support each of two hypotheses, `[n]`."""
 
     one: BoolArray
     other: BoolArray
@@ -49,7 +49,7 @@ class Witnesses(NamedTuple):
 
 
 class Predictions:
-    """Predict every step of `evidence` under the rule `update`. `dtype` is that of the table."""
+    """Predicts every step under the rule `update`."""
 
     def __init__(self, evidence: Evidence, update: UpdateFound, dtype: str) -> None:
         self.evidence, self.update = evidence, update
@@ -57,14 +57,14 @@ class Predictions:
 
     @property
     def is_known(self) -> bool:
-        """True if the update predicts steps, at least for a next value of 0."""
+        """True if steps are predicted, perhaps only with a next value of 0."""
         update = self.update
         has_step_size = update.alpha is not None or update.alpha_schedule is not None
         return has_step_size and update.rule is not Rule.MONTE_CARLO
 
     @cached_property
     def moved_cell(self) -> IntArray:
-        """The cell that each step moves, `[N]`."""
+        """The cell of each step, `[N]`."""
         evidence = self.evidence
         if self.update.place is MovedCell.MOVED:
             return evidence.next_state * evidence.actions + evidence.action
@@ -72,9 +72,9 @@ class Predictions:
 
     @cached_property
     def is_plain(self) -> BoolArray:
-        """True for steps that moved only their own cell or nothing, `[N]`, before any number diverges."""
+        """Steps that moved only their own cell or nothing, `[N]`, before numbers diverge."""
         evidence = self.evidence
-        own: BoolArray = (evidence.changes_of == 0) | (evidence.only_change[0] == self.moved_cell)
+        own: BoolArray = evidence.stays | (evidence.only_change[0] == self.moved_cell)
         return own & (evidence.number < evidence.runs_away_at)
 
     @cached_property
@@ -94,7 +94,7 @@ class Predictions:
         return np.nan if self.update.gamma is None else self.update.gamma
 
     def readings(self, at: IntArray) -> Readings:
-        """Return the effect of the plain steps at the indexes `at` on their cells."""
+        """Return the effect of plain steps on their cells."""
         at = at[self.is_plain[at]]
         evidence = self.evidence
         before = evidence.history.before(self.moved_cell[at], evidence.number[at])
@@ -103,8 +103,9 @@ class Predictions:
         )
 
     def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
-        """Return the possible values of each step's next state, `[n, K]`. K > 1 if only the program knows
-        the action, which it may never have taken.
+        """Return the possible next values, `[n, K]`.
+
+        K > 1 if only the program knows the action, which it may never have taken.
         """
         evidence, update = self.evidence, self.update
         target = target or update.target
@@ -121,6 +122,12 @@ class Predictions:
         if target is UpdateTarget.SAME_ACTION:
             same: FloatArray = np.take_along_axis(rows, evidence.action[at][:, None], 1)
             return same
+        if target is UpdateTarget.BEST_BY_OTHER:
+            return _of_best(rows, evidence.other_rows(source[at], at))
+        if target is UpdateTarget.OTHERS_CHOICE:
+            return _of_best(evidence.other_rows(source[at], at), rows)
+        if target is UpdateTarget.OTHER_BEST:
+            rows = evidence.other_rows(source[at], at)
         best: FloatArray = rows.max(1)
         if target is UpdateTarget.INDEX:
             best = rows.argmax(1).astype(np.float64)
@@ -131,30 +138,14 @@ class Predictions:
         return column
 
     def after(self, readings: Readings, reward: FloatArray, values: FloatArray) -> FloatArray:
-        """Return the predicted new values of the cells.
-
-        Args:
-            readings: Old values of n steps.
-            reward: Reward of each step, `[n]`.
-            values: Possible next values, `[n, K]`.
-
-        Returns:
-            Predictions, `[n, K]`.
-        """
+        """Return new values, `[n, K]`, for `reward`, `[n]`, and next `values`, `[n, K]`."""
         before, alpha = readings.before[:, None], self.alpha[readings.at][:, None]
         discounted = np.where(values == 0.0, 0.0, self.gamma * values)  # 0 whatever γ is
         predicted: FloatArray = before + alpha * (reward[:, None] + discounted - before)
         return predicted
 
     def witnesses(self, readings: Readings, one: FloatArray, other: FloatArray) -> Witnesses:
-        """Return which steps support `one` and which `other`, counting only steps on which they differ
-        clearly.
-
-        Args:
-            readings: Old and new values of n steps.
-            one: Predictions of one hypothesis, `[n, K]`.
-            other: Predictions of the other, `[n, L]`.
-        """
+        """Return which steps support `one`, `[n, K]`, and `other`, `[n, L]`, where these clearly differ."""
         scale = np.maximum(np.abs(readings.before), np.abs(readings.after))
         scale = np.maximum(scale, np.maximum(np.abs(one).max(1), np.abs(other).max(1)))
         near = self._precision * scale + np.finfo(np.float64).tiny
@@ -168,15 +159,9 @@ class Predictions:
         return Witnesses(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
 
     def _column_values(self, at: IntArray) -> FloatArray:
-        """Return the maximum over all states for the action taken, `[n, 1]`, NaN if that is too expensive."""
-        evidence = self.evidence
-        initial = evidence.recording.initial
-        states = 0 if initial is None else len(initial) // evidence.actions
-        values = np.full((len(at), 1), np.nan)
-        read = min(len(at), _MOST_COLUMNS // max(states, 1))
-        cells = np.arange(states) * evidence.actions + evidence.action[at[:read]][:, None]
-        steps = np.broadcast_to(evidence.number[at[:read]][:, None], cells.shape)
-        values[:read, 0] = evidence.history.before(cells, steps).max(1, initial=-np.inf)
+        evidence, values = self.evidence, np.full((len(at), 1), np.nan)
+        read = at[: _MOST_COLUMNS * evidence.actions // max(len(evidence.initial), 1)]
+        values[: len(read), 0] = evidence.column_maxima(evidence.action[read], read)
         return values
 
     def _alpha_by_visits(self) -> FloatArray:
@@ -191,7 +176,6 @@ class Predictions:
         return np.full(len(self.evidence), np.nan)
 
     def _alpha_by_episode(self) -> FloatArray:
-        """Return the median step size of the episode for each step."""
         evidence = self.evidence
         at, solved = self._solved_alpha()
         if not len(solved):
@@ -204,7 +188,6 @@ class Predictions:
         return np.where(names[place] == evidence.episode, middle[place], np.nan)
 
     def _solved_alpha(self) -> tuple[IntArray, FloatArray]:
-        """Return inner steps and the step size that each implies."""
         evidence = self.evidence
         inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
         readings = self.readings(_thinned(np.flatnonzero(inner)))
@@ -217,7 +200,7 @@ class Predictions:
 
 
 def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
-    """Predict with the environment's reward, if another one is needed at last steps at most."""
+    """Predict with the environment's reward, unless inner steps need another one."""
     predictions = Predictions(evidence, update, dtype)
     if update.reward != "own" or update.place is MovedCell.ONE_LATE:
         return predictions
@@ -231,11 +214,16 @@ def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> P
 
 
 def _thinned(at: IntArray) -> IntArray:
-    """Return `at`, thinned evenly if too long."""
     return at[:: max(1, -(-len(at) // _MOST_SOLVED))]
 
 
 def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
-    """Return the values of `action`, `[n, A]`, or the whole row for a step without a next action."""
     taken = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
     return np.where((action == NO_ACTION)[:, None], rows, taken)
+
+
+def _of_best(choosing: FloatArray, judging: FloatArray) -> FloatArray:
+    """Return the entries of `judging`, `[n, A]`, of the best actions in `choosing`, repeated for others."""
+    is_best = choosing == choosing.max(1, keepdims=True)
+    first = np.take_along_axis(judging, is_best.argmax(1)[:, None], 1)
+    return np.where(is_best, judging, first)

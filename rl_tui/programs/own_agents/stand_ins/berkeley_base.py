@@ -1,4 +1,4 @@
-"""The base of agents from Berkeley's course, with the names of the course."""
+"""The base of agents from Berkeley's course, with its names."""
 
 # ruff: noqa: N802, N803
 
@@ -16,7 +16,7 @@ class Counter(dict[Any, float]):
         return 0.0
 
     def argMax(self) -> Any:
-        """Return the first key with the largest value, or None if empty."""
+        """Return the first best key, or None if empty."""
         return max(self, key=self.__getitem__, default=None)
 
 
@@ -27,7 +27,7 @@ def flipCoin(p: float) -> bool:
 
 def raiseNotDefined() -> None:
     """Raise the error of an unfinished method."""
-    raise NotImplementedError("a method of this agent is still to be written")
+    raise NotImplementedError("a method of this agent is not written yet")
 
 
 class ReinforcementAgent:

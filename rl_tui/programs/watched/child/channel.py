@@ -7,6 +7,7 @@ import mmap
 import os
 import select
 import struct
+import sys
 from collections.abc import Callable
 from threading import RLock
 from time import monotonic
@@ -33,8 +34,10 @@ _MOST_NUMBERS: Final = 1_000_000  # of waiting changes
 
 
 class Channel:
-    """Writes to the pipe `reports`. The program only appends to `steps` and `changes`, so another thread
-    may flush them. The process ends at once if nobody reads. A forked process writes nothing.
+    """Writes to the pipe `reports`.
+
+    The program only appends to `steps` and `changes`, so another thread may flush them. The process ends at
+    once if nobody reads. A forked process writes nothing.
     """
 
     def __init__(self, reports: int) -> None:
@@ -43,7 +46,8 @@ class Channel:
         """Ends the process at once. A script replaces it by its own function."""
         self._due, self._written = 0.0, 0
         self._writing = RLock()
-        os.register_at_fork(after_in_child=self._unlock)
+        if sys.platform != "win32":
+            os.register_at_fork(after_in_child=self._unlock)
         self.steps: list[float] = []
         self.changes: list[float] = []
 
@@ -54,24 +58,22 @@ class Channel:
             self._write(MESSAGE, json.dumps({"kind": kind, **more}).encode())
 
     def table(self, values: npt.NDArray[np.float64]) -> None:
-        """Write the content of a table, `[S·A]`, after its message."""
+        """Write a table, `[S·A]`, after its message."""
         with self._writing:
             self._write(TABLE, np.ascontiguousarray(values, np.float64).tobytes())
 
     @property
     def is_due(self) -> bool:
-        """True if a batch is due: about thirty times a second, or when there is much to write."""
+        """True about thirty times a second, or when there is much to write."""
         return monotonic() >= self._due or len(self.changes) > _MOST_NUMBERS
 
     @property
     def is_late(self) -> bool:
-        """True if something has waited longer than a running program allows."""
+        """True if something has waited too long."""
         return bool(self.steps or self.changes) and monotonic() >= self._due + _BETWEEN_BATCHES
 
     def flush(self, *, but_last: bool = False) -> None:
-        """Write pending steps and changes. With `but_last`, keep those of the last step, which may still
-        get more changes.
-        """
+        """Write steps and changes, `but_last` without those of the last step, which may get more changes."""
         with self._writing:
             changes = len(self.changes)  # counted first, because a change must not precede its step
             steps = len(self.steps)
@@ -90,7 +92,7 @@ class Channel:
             self._due = monotonic() + _BETWEEN_BATCHES
 
     def from_a_fork(self, kind: str, **more: Any) -> None:
-        """Write a message from a forked process, short enough to arrive in one piece."""
+        """Write a message from a forked process, short enough for one piece."""
         payload = json.dumps({"kind": kind, **more}).encode()
         os.write(self._reports, HEADER.pack(MESSAGE, len(payload)) + payload)
 
@@ -116,9 +118,7 @@ _AT_ONCE: Final = 65_536  # bytes
 
 
 class Gate:
-    """Lets the program run as far as the shared memory allows, and handles requests. `on_asked` has a
-    function for each key of a request.
-    """
+    """Lets the program run as far as allowed, and handles requests."""
 
     def __init__(self, channel: Channel, asked: int, shared: int) -> None:
         self._channel, self._asked = channel, asked
@@ -132,8 +132,9 @@ class Gate:
         """True while the program waits for permission."""
 
     def wait(self, count: int, met: str | None) -> None:
-        """Wait until more than `count` steps are allowed, and for a new "stop" after an event `met`. The
-        process ends if nobody watches any more.
+        """Wait until more than `count` steps are allowed, and for a new "stop" after an event `met`.
+
+        The process ends if nobody watches any more.
         """
         self._is_held = met is not None
         self.is_waiting = True

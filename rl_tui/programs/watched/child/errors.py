@@ -1,4 +1,4 @@
-"""Errors of the user's code: line, text, and advice on common ones."""
+"""Errors of the user's code, with advice on common ones."""
 
 from __future__ import annotations
 
@@ -26,15 +26,23 @@ _LIBRARIES: Final = tuple(
 _LONGEST_TEXT: Final = 1_000
 _LONGEST_TRACEBACK: Final = 12_000
 _MOST_FRAMES: Final = 40
+_watched: Final[set[str]] = set()
+
+
+def watch_file(path: Path) -> None:
+    """Let the file at `path` count as the user's, wherever it lies."""
+    _watched.add(str(path.absolute()))
 
 
 def is_users_file(file: str) -> bool:
-    """Return True if `file` has the user's own code: not ours, not a library, not part of Python."""
+    """Return True for the watched file, and for code that is not ours, a library's or Python's."""
+    if file in _watched:
+        return True
     return not (file.startswith((_OURS, *_LIBRARIES)) or "site-packages" in file or "dist-packages" in file)
 
 
 def users_place(frame: FrameType | None) -> tuple[str, int] | None:
-    """Return file and line of the user's code that runs in `frame` or called it, or None."""
+    """Return file and line of the user's code in or above `frame`."""
     while frame is not None:
         if is_users_file(frame.f_code.co_filename):
             return frame.f_code.co_filename, line_of(frame)
@@ -43,8 +51,9 @@ def users_place(frame: FrameType | None) -> tuple[str, int] | None:
 
 
 def line_of(frame: FrameType) -> int:
-    """Return the current line of `frame`. Instructions without a line, such as the jump to the head of a
-    loop, use the line before them.
+    """Return the current line of `frame`.
+
+    Instructions without a line, such as the jump to the head of a loop, use the line before them.
     """
     if frame.f_lineno is not None:
         return frame.f_lineno
@@ -53,12 +62,10 @@ def line_of(frame: FrameType) -> int:
 
 
 def described(error: BaseException) -> dict[str, Any]:
-    """Describe `error`: type, text, file, line and traceback without our frames. The place is the
-    innermost one in the user's code, or the line of a syntax error.
-    """
+    """Describe `error` without our frames, at the innermost place in the user's code or the syntax error."""
     if isinstance(error, UserError) and isinstance(error.__cause__, SyntaxError):
         error = error.__cause__
-    frames = [each for each in _walk(error.__traceback__) if not _is_ours(each[0])]
+    frames = [each for each in _walk(error.__traceback__) if not _is_ours(each[0].f_code.co_filename)]
     own = [each for each in frames if is_users_file(each[0].f_code.co_filename)] or frames
     file, line = (own[-1][0].f_code.co_filename, own[-1][1]) if own else ("", None)
     if isinstance(error, SyntaxError) and error.filename:
@@ -80,8 +87,8 @@ def _walk(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
         trace = trace.tb_next
 
 
-def _is_ours(frame: FrameType) -> bool:
-    return frame.f_code.co_filename.startswith(_OURS)
+def _is_ours(file: str) -> bool:
+    return file.startswith(_OURS) and file not in _watched
 
 
 def _text_of(error: BaseException) -> str:
@@ -97,7 +104,7 @@ def _formatted(error: BaseException) -> str:
     report = traceback.TracebackException.from_exception(error, compact=True)
     chain: traceback.TracebackException | None = report
     while chain is not None:
-        kept = [each for each in chain.stack if not each.filename.startswith(_OURS)]
+        kept = [each for each in chain.stack if not _is_ours(each.filename)]
         dropped = kept[_MOST_FRAMES // 2 : -_MOST_FRAMES // 2] if len(kept) > _MOST_FRAMES else []
         chain.stack = traceback.StackSummary.from_list([_shown(each) for each in kept if each not in dropped])
         chain = chain.__cause__ or chain.__context__
@@ -105,7 +112,6 @@ def _formatted(error: BaseException) -> str:
 
 
 def _shown(frame: traceback.FrameSummary) -> traceback.FrameSummary:
-    """Return `frame` with its cell, if it is in a notebook."""
     cell = None if frame.lineno is None else cell_of(frame.filename, frame.lineno)
     if cell is None:
         return frame
@@ -114,7 +120,6 @@ def _shown(frame: traceback.FrameSummary) -> traceback.FrameSummary:
 
 
 def _bounded(text: str, longest: int) -> str:
-    """Return a text of at most `longest` characters, cut in the middle."""
     half = longest // 2
     return text if len(text) <= longest else f"{text[:half]}\n…\n{text[len(text) - half :]}"
 
@@ -148,30 +153,22 @@ _PACKAGES: Final = {
 package of that name may be anything.
 """
 _STEP: Final = (
-    "step returns five values since Gym 0.26: write `next_state, reward, terminated, truncated, info = "
+    "since Gym 0.26, step returns five values: write `next_state, reward, terminated, truncated, info = "
     "env.step(action)`, and `done = terminated or truncated`"
 )
-_RESET: Final = "reset returns (observation, info) since Gym 0.26: write `state, info = env.reset()`"
-_UNKNOWN: Final = "if it is a file of yours, put it beside the script"
+_RESET: Final = "since Gym 0.26, reset returns (observation, info): write `state, info = env.reset()`"
+_UNKNOWN: Final = "if it is your own file, put it next to the script"
 _ATTRIBUTES: Final = {
-    "seed": "environments are seeded by reset since Gym 0.26: write `env.reset(seed=0)`",
+    "seed": "since Gym 0.26, reset sets the seed: write `env.reset(seed=0)`",
     **dict.fromkeys(
         ("P", "nS", "nA", "s", "desc", "nrow", "ncol"),
-        "wrappers pass no attributes on since Gymnasium 1.0: write `env.unwrapped.{name}`",
+        "since Gymnasium 1.0, wrappers do not pass on attributes: write `env.unwrapped.{name}`",
     ),
 }
 _TOO_MANY: Final = re.compile(r"too many values to unpack \(expected [34]\)")
 
 
 def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], line: int | None) -> str:
-    """Return a sentence on how to fix `error`, or "".
-
-    Args:
-        error: The exception.
-        text: Its message.
-        frames: Frames of the user's code, the innermost first.
-        line: Line in the innermost frame.
-    """
     if isinstance(error, ModuleNotFoundError):
         return _on_missing(error.name or "")
     if isinstance(error, ValueError) and _TOO_MANY.search(text):
@@ -202,7 +199,6 @@ def _calls_step(frames: Sequence[FrameType], line: int | None) -> bool:
 
 
 def _has_whole_reset(frames: Sequence[FrameType]) -> bool:
-    """Return True if a variable has the whole result of `reset`, observation and info."""
     return any(
         type(value) is tuple and len(value) == 2 and type(value[1]) is dict
         for frame in frames

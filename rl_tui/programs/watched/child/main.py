@@ -28,10 +28,10 @@ from rl_tui.common.after_import import after_import
 from rl_tui.programs.watched.child.boxes.box_worlds import BoxWorlds
 from rl_tui.programs.watched.child.channel import Channel, Gate
 from rl_tui.programs.watched.child.environments.making import Making
-from rl_tui.programs.watched.child.errors import described, users_place
+from rl_tui.programs.watched.child.errors import described, users_place, watch_file
 from rl_tui.programs.watched.child.old_gym.modules import offer_old_gym
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.child.removed_names import give_back_removed_names
+from rl_tui.programs.watched.child.removed_names import give_back_removed_names, with_old_conversions
 from rl_tui.programs.watched.child.script import read_script, run_script
 from rl_tui.programs.watched.child.stand_ins import stand_in
 from rl_tui.programs.watched.child.worlds.functions import with_watched_functions
@@ -39,17 +39,18 @@ from rl_tui.programs.watched.child.worlds.own_worlds import OwnWorlds
 from rl_tui.programs.watched.child.worlds.windows import offer_windows
 from rl_tui.programs.watched.messages import MessageKind
 
+assert sys.platform != "win32"  # for mypy, which skips the rest there
+
 # Seeds of all random generators
 
 
 def seed_all(seed: int) -> None:
-    """Seed `random`, NumPy's legacy generator, and every `default_rng()` without a seed."""
+    """Seed `random`, NumPy's legacy generator and each unseeded `default_rng()`."""
     random.seed(seed)
     np.random.seed(seed % 2**32)
     original, made = np.random.default_rng, count(1)
 
     def default_rng(seed_given: Any = None) -> np.random.Generator:
-        """Return a generator. Without a seed it uses the run's seed and a count."""
         return original([seed, next(made)] if seed_given is None else seed_given)
 
     np.random.default_rng = default_rng  # type: ignore[assignment]
@@ -60,15 +61,16 @@ def seed_all(seed: int) -> None:
 
 _NO_WINDOW: Final = ".*is non-interactive, and thus cannot be shown"
 _INPUT: Final = (
-    "input() cannot be answered while rl-tui watches: write the value into the script, or pass it after the "
+    "input() does not work while rl-tui watches: write the value into the script, or pass it after the "
     "script's name"
 )
-_NOT_REPEATABLE: Final = "the script starts {}: the same seed need not give the same run"
+_NOT_REPEATABLE: Final = "the script starts {}, so the same seed may give another run"
 
 
 def end_with(life: int) -> None:
-    """Let the system kill this process and its group when the other end of the pipe `life` is closed. It
-    needs no thread, and works during C code. On Linux the signal cannot be ignored. Nothing may ever be
+    """Let the system kill this process group when the other end of the pipe `life` is closed.
+
+    It needs no thread, and works during C code. On Linux the signal cannot be ignored. Nothing may ever be
     written to the pipe.
     """
     signal.signal(signal.SIGIO, signal.SIG_DFL)  # it ends the process, even if the parent ignored it
@@ -81,7 +83,7 @@ def end_with(life: int) -> None:
 
 
 def bound_memory(most: int) -> None:
-    """Limit the memory of this process, and of each child, to `most` bytes."""
+    """Limit this process, and each child, to `most` bytes."""
     import resource
 
     with suppress(OSError, ValueError):
@@ -91,7 +93,7 @@ def bound_memory(most: int) -> None:
 
 
 def surround(note: Callable[[str], None]) -> None:
-    """Prepare the process for a script. `note` receives messages about workarounds."""
+    """Prepare the process for a script, and `note` workarounds."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace", line_buffering=True)
@@ -104,12 +106,13 @@ def surround(note: Callable[[str], None]) -> None:
         "matplotlib": _draw_into_memory,
         "matplotlib.pyplot": _show_nothing,
         "tqdm.notebook": _draw_bars_as_text,
+        "pygame.time": _wait_for_nothing,
     }.items():
         after_import(name, change)
 
 
 def _tell_of_workers(note: Callable[[str], None]) -> None:
-    """Report once if the script starts a thread or forks, because their order is not reproducible."""
+    """Report a thread or fork once, because their order is not reproducible."""
     left = {"threads", "processes"}
 
     def tell(what: str) -> None:
@@ -131,8 +134,7 @@ def _refuse_input(*_: object) -> NoReturn:
     raise RuntimeError(_INPUT)
 
 
-def _nothing(*_: Any, **__: Any) -> None:
-    """Ignore a call that would open a window or wait for one."""
+def _nothing(*_: Any, **__: Any) -> None: ...
 
 
 def _draw_into_memory(matplotlib: ModuleType) -> None:
@@ -146,8 +148,21 @@ def _show_nothing(pyplot: ModuleType) -> None:
     pyplot.switch_backend = lambda *_: switch("agg")  # type: ignore[attr-defined]  # pyplot calls it itself
 
 
+def _wait_for_nothing(pygame_time: ModuleType) -> None:
+    class Clock:
+        def tick(self, *_: float) -> int:
+            return 1
+
+        tick_busy_loop = get_time = get_rawtime = tick
+
+        def get_fps(self) -> float:
+            return 60.0
+
+    pygame_time.Clock = Clock  # type: ignore[attr-defined]
+    pygame_time.wait = pygame_time.delay = lambda milliseconds: milliseconds  # type: ignore[attr-defined]
+
+
 def _draw_bars_as_text(notebook: ModuleType) -> None:
-    """Replace progress bars for notebooks, which fail elsewhere, by those for terminals."""
     plain = import_module("tqdm.std")
     for name in ("tqdm", "tqdm_notebook"):
         setattr(notebook, name, plain.tqdm)
@@ -164,9 +179,10 @@ _FORK: Final = ".*use of fork.. may lead to deadlocks"
 
 
 class Watchman:
-    """A thread next to the program, which writes pending steps. After a second without a step it reports
-    the program's current line, once for each line. It does not read the table, which only the program's
-    own thread may do.
+    """A thread next to the program, which writes pending steps.
+
+    After a second without a step it reports the program's current line, once. It does not read the table,
+    which only the program's own thread may do.
     """
 
     def __init__(self, channel: Channel, gate: Gate, recorder: Recorder) -> None:
@@ -174,7 +190,7 @@ class Watchman:
         self._program = threading.get_ident()
 
     def begin(self) -> None:
-        """Start to watch the program in the calling thread."""
+        """Watch the program in the calling thread."""
         warnings.filterwarnings("ignore", message=_FORK, category=DeprecationWarning)  # the thread is ours
         threading.Thread(target=self._watch, name="rl-tui", daemon=True).start()
 
@@ -196,7 +212,7 @@ class Watchman:
 
 
 def flush_at_exit(recorder: Recorder) -> None:
-    """Let `os._exit` report the last steps before it ends the process."""
+    """Let `os._exit` report the last steps first."""
     leave, process = os._exit, os.getpid()
 
     def tell_and_leave(status: int) -> Any:
@@ -213,7 +229,7 @@ def flush_at_exit(recorder: Recorder) -> None:
 
 
 def main(said: dict[str, Any]) -> None:
-    """Run the program described by `said` (see program_process.py), and report until its end."""
+    """Run the program described by `said` to its end."""
     channel = Channel(said["reports"])
     gate = Gate(channel, said["asked"], said["shared"])
     recorder = Recorder(channel, gate, most=said["steps"], wanted=said["table"])
@@ -237,16 +253,19 @@ def main(said: dict[str, Any]) -> None:
     offer_old_gym(making, note)
     own_worlds = OwnWorlds(recorder, making, note)
     own_worlds.install()
-    boxes = BoxWorlds(recorder, making, note, said["table"])
+    boxes = BoxWorlds(recorder, making, note, said["table"], own_worlds.has_steps)
     boxes.install()
+    own_worlds.may_take_over = boxes.table_steps.take_over
     seed_all(said["seed"])
     flush_at_exit(recorder)
     Watchman(channel, gate, recorder).begin()
     channel.message(MessageKind.STARTED)
+    path = Path(said["path"])
+    watch_file(path)
     try:
         if said["agent"] is None:
-            path = Path(said["path"])
-            script = boxes.sites.with_calls(read_script(path), path)
+            script = with_old_conversions(read_script(path), path, note)
+            script = boxes.sites.with_calls(script, path)
             script = with_watched_functions(script, path, own_worlds)
             run_script(script, path, said["arguments"], note)
         else:

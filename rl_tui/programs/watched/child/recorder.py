@@ -1,4 +1,4 @@
-"""The recorder: it reports each step of a program, with the changes of its table."""
+"""The recorder of a program's steps and table changes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rl_tui.programs.watched.child.errors import is_users_file, users_place
 from rl_tui.programs.watched.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.search import TableCandidate, attributes, candidates, turned_table
-from rl_tui.programs.watched.child.tables.tracker import TableTracker
+from rl_tui.programs.watched.child.tables.tracker import TableTracker, tracker_of
 from rl_tui.programs.watched.messages import MessageKind
 
 # Numbers in the code
@@ -31,9 +31,10 @@ _DEEPEST_CODE: Final = 8
 
 
 def numbers_in(frame: FrameType | None, scope: Mapping[str, Any]) -> dict[str, float]:
-    """Return floats by name from user code above `frame`, and from `scope`. Attributes and entries are
-    named `agent.gamma` or `config.gamma`, defaults of functions `train.gamma`, and constants by their
-    text, such as `0.99`.
+    """Return floats by name from user code above `frame`, and from `scope`.
+
+    Attributes and entries are named `agent.gamma` or `config.gamma`, defaults of functions `train.gamma`, and
+    constants by their text, such as `0.99`.
     """
     found: dict[str, float] = {}
     for names, code in _scopes(frame, scope):
@@ -104,7 +105,7 @@ _CHANGE: Final = 3  # numbers: cell, before, after
 
 
 class StepSeen(NamedTuple):
-    """The last step, with the changes since then: cell, old and new value of each."""
+    """The last step, with cell, old and new value of later changes."""
 
     state: int
     action: int
@@ -115,7 +116,7 @@ class StepSeen(NamedTuple):
 
 
 class StopConditions:
-    """The requested events to stop at, as in messages.py."""
+    """Events to stop at, as in messages.py."""
 
     def __init__(self, said: Mapping[str, Any], actions: int) -> None:
         self._actions = actions
@@ -128,7 +129,7 @@ class StopConditions:
         self._policy = bool(said.get("policy"))
 
     def met_by(self, step: StepSeen, row: Row, *, is_end: bool) -> str | None:
-        """Return the name of the event that `step` met, or None. `is_end` is True if the episode is over."""
+        """Return the event that `step` met, or None."""
         if step.next_state in self._states:
             return "states"
         if step.state * self._actions + step.action in self._cells:
@@ -185,19 +186,14 @@ Step = tuple[int, int, int, float, int, int, int, int]
 _NUMBERS: Final = 3  # of each difference
 _MOST_TRACES: Final = 2  # times that lines are traced, while too few were found
 _MOST_REBOUND: Final = 1_000  # messages about another object
-_MANY_THREADS: Final = "more than one thread takes steps, and whose step a change belongs to cannot be known"
-_FORKED: Final = "a process that the program forked takes steps, and its table is not this process's"
+_MANY_THREADS: Final = "several threads take steps, so rl-tui cannot match changes of the table with steps"
+_FORKED: Final = (
+    "a forked process takes steps, but its table is not visible here: take all steps in the main process"
+)
 
 
 class Recorder:
-    """Sees every step of the program.
-
-    Args:
-        channel: Connection to the watching process.
-        gate: Gives permission to continue.
-        most: Limit of steps, if any.
-        wanted: Name of the table, if given by the user.
-    """
+    """Sees every step. `most` limits them, and `wanted` is the user's name of the table."""
 
     def __init__(self, channel: Channel, gate: Gate, *, most: int | None, wanted: str | None) -> None:
         self.channel, self.gate = channel, gate
@@ -225,15 +221,16 @@ class Recorder:
         gate.on_asked["stop"] = self._set_stop
         gate.on_asked["trace"] = self._trace.begin
         self._process = os.getpid()
-        os.register_at_fork(after_in_child=self._after_fork)
+        if sys.platform != "win32":
+            os.register_at_fork(after_in_child=self._after_fork)
 
     def begin_episode(self) -> int:
-        """Return the number of an episode at its first step."""
+        """Return an episode's number at its first step."""
         self._episodes += 1
         return self._episodes - 1
 
     def before(self, frame: FrameType | None, numbering: Numbering, method: str) -> None:
-        """Record changes since the last call, and wait for permission. `frame` has called `method`."""
+        """Record changes, and wait for permission. `frame` has called `method`."""
         if get_ident() != self._thread:
             self._check_thread()
         if method not in self._called:
@@ -266,14 +263,10 @@ class Recorder:
     def follow(
         self, name: str, form: HeldTable, table: Any, initial: Doubles, others: Mapping[str, str]
     ) -> None:
-        """Report the table `name` in `form`, whose changes are given to `after_late` from now on.
+        """Report a table whose changes `after_late` receives.
 
-        Args:
-            name: Name of the table.
-            form: Its form.
-            table: The object.
-            initial: Its content before the next reported step.
-            others: Names of other tables, with their forms.
+        `initial` is its content before the next reported step, and `others` has the forms of other tables by
+        name.
         """
         self._late_form = form
         self._send_table(name, form, table, initial, others)
@@ -287,9 +280,7 @@ class Recorder:
         *,
         is_end: bool,
     ) -> None:
-        """Record a step after the program has gone on. `before` and `changes` are differences of the table
-        before and after it. `is_end` is True if the episode is over.
-        """
+        """Record an earlier step, with differences of the table before and after it."""
         number = self.count
         self._add_changes(max(number - 1, 0), before)
         self.after(step, numbering)
@@ -299,12 +290,12 @@ class Recorder:
         self._last = None
 
     def end(self) -> None:
-        """Report the last changes, and the end of the program."""
+        """Report the last changes, and the end."""
         self._trace.stop()
         self.tell_rest()
         is_found = self._tracker is not None or self._late_form is not None
         if not is_found and self._wanted is not None and self.count:
-            text = f"no table is called {self._wanted} where env.step was called"
+            text = f"found no table named {self._wanted} where env.step was called"
             self.channel.message(MessageKind.NOTE, text=text)
         self.channel.message(MessageKind.END, step=self.count)
 
@@ -316,7 +307,7 @@ class Recorder:
         self.channel.message(MessageKind.NUMBERS, numbers=numbers_in(None, vars(main) if main else {}))
 
     def end_at_once(self) -> NoReturn:
-        """End the program at once, which it cannot prevent."""
+        """End the program, which it cannot prevent."""
         self.end()
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
@@ -326,7 +317,7 @@ class Recorder:
         """End a program that cannot be watched."""
         if os.getpid() == self._process:
             self.channel.message(MessageKind.REFUSED, text=why)
-        else:
+        elif sys.platform != "win32":
             import signal
 
             self.channel.from_a_fork(MessageKind.REFUSED, text=why)
@@ -370,7 +361,7 @@ class Recorder:
     def _lose_table(self, tracker: TableTracker) -> list[float]:
         """Give up a table with an entry that is not a number. Another one may be found."""
         self._tracker, self._next_look = None, self.count + 1
-        text = f"{tracker.way.name()} now holds something that is not a number"
+        text = f"{tracker.way.name()} now contains something that is not a number"
         self.channel.message(MessageKind.NOTE, text=text)
         return []
 
@@ -379,8 +370,8 @@ class Recorder:
         found = candidates(frame, numbering, self._wanted)
         if found:
             others = candidates(frame, numbering, None) if self._wanted is not None else found
-            self._tracker = TableTracker(found[0], self._wanted)
-            self._tell_table([each for each in others if each.value is not found[0].value])
+            self._tracker = tracker_of(found, self._wanted, self._tell_pair, self._tell_own_changes)
+            self._tell_table([each for each in others if each.value is not self._tracker.table])
             self._tell_numbers(frame)
         elif not self._turned_is_noted:
             self._tell_turned(frame, numbering)
@@ -400,6 +391,13 @@ class Recorder:
         self._is_shared = tracker.rows_are_shared()
         forms = {each.way.name(): each.form.name for each in others}
         self._send_table(tracker.way.name(), tracker.form, tracker.table, tracker.form.values(), forms)
+
+    def _tell_pair(self, other: str, content: Doubles) -> None:
+        self.channel.message(MessageKind.PAIR, step=self.count, name=other)
+        self.channel.table(content)
+
+    def _tell_own_changes(self, found: Sequence[float]) -> None:
+        self._add_changes(max(self.count - 1, 0), found)
 
     def _send_table(
         self, name: str, form: HeldTable, table: Any, content: Doubles, others: Mapping[str, str]
@@ -470,12 +468,11 @@ class Recorder:
                 self._stop = None
 
     def _row(self, state: int) -> Sequence[float]:
-        form = self._late_form if self._tracker is None else self._tracker.form
-        return () if form is None else form.row(state)
+        table = self._late_form if self._tracker is None else self._tracker
+        return () if table is None else table.row(state)
 
 
 def _shape_of(table: Any, actions: int) -> list[int]:
-    """Return the shape of an array or lists, or the number of entries of a dict."""
     if type(table) is np.ndarray:
         return list(table.shape)
     return [dict.__len__(table)] if issubclass(type(table), dict) else [len(table), actions]

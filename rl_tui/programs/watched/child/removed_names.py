@@ -1,14 +1,17 @@
-"""Names that NumPy, pandas and Python have removed, for scripts written before. Each use is noted."""
+"""Names that NumPy, pandas and Python have removed, for older scripts."""
 
 from __future__ import annotations
 
+import ast
 import builtins
 import collections
 import collections.abc
 import math
+import random
 import sys
 import time
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
@@ -16,6 +19,7 @@ import numpy as np
 
 from rl_tui.common.after_import import after_import
 from rl_tui.programs.watched.child.errors import is_users_file
+from rl_tui.programs.watched.child.script import Script
 
 Note = Callable[[str], None]
 _NUMPY: Final[Mapping[str, tuple[Any, str]]] = {
@@ -41,11 +45,16 @@ _COLLECTIONS: Final = {
     name: (getattr(collections.abc, name), f"collections.abc.{name}") for name in collections.abc.__all__
 }
 _GCD: Final = {"gcd": (math.gcd, "math.gcd")}
+_SEED: Final = "random accepts a {} as seed only in older versions of Python: its text was used instead"
 _FRAME: Final = "pandas.DataFrame"
+_ONE_NUMBER: Final = "__rl_tui_one_number__"
+_NO_NUMBER: Final = (
+    "this version of NumPy does not turn an array into a number: its only entry was used instead"
+)
 
 
 def give_back_removed_names(note: Note) -> None:
-    """Let removed names work as before. `note` receives a message at the first use of each."""
+    """Let removed names work, and `note` the first use of each."""
     _give_back(np, _NUMPY, "NumPy", note)
     _give_back(collections, _COLLECTIONS, "Python", note)
     _give_back(time, {"clock": (time.perf_counter, "time.perf_counter")}, "Python", note)
@@ -57,10 +66,20 @@ def give_back_removed_names(note: Note) -> None:
         return range(*numbers)
 
     builtins.xrange = xrange  # type: ignore[attr-defined]
+    seed_with = random.Random.seed
+
+    def seed(it: random.Random, a: Any = None, version: int = 2) -> None:
+        try:
+            seed_with(it, a, version)
+        except TypeError:
+            note(_SEED.format(type(a).__name__))
+            seed_with(it, str(a), version)
+
+    random.Random.seed = seed  # type: ignore[method-assign, assignment]
+    random.seed = random.random.__self__.seed  # type: ignore[attr-defined]
 
 
 def _give_back(module: ModuleType, names: Mapping[str, tuple[Any, str]], owner: str, note: Note) -> None:
-    """Answer requests for the missing `names` of `module`, each with its value and its current name."""
     before = vars(module).get("__getattr__")
 
     def found(name: str) -> Any:
@@ -95,3 +114,32 @@ def _give_back_to_frames(pandas: Any, note: Note) -> None:
     for name, value in (("append", append), ("ix", property(ix))):
         if not hasattr(pandas.DataFrame, name):
             setattr(pandas.DataFrame, name, value)
+
+
+def with_old_conversions(script: Script, path: Path, note: Note) -> Script:
+    """Let `int(np.random.choice(a, 1))` and similar calls work as before."""
+
+    def one_number(value: Any) -> Any:
+        if type(value) is not np.ndarray or value.ndim == 0 or value.size != 1:
+            return value
+        note(_NO_NUMBER)
+        return value.item()
+
+    found = [each for each in ast.walk(script.tree) if isinstance(each, ast.Call) and _may_convert(each)]
+    if not found:
+        return script
+    setattr(builtins, _ONE_NUMBER, one_number)
+    for each in found:
+        inner = each.args[0]
+        name = ast.copy_location(ast.Name(_ONE_NUMBER, ast.Load()), inner)
+        each.args = [ast.copy_location(ast.Call(name, [inner], []), inner)]
+    code = compile(script.tree, str(path.absolute()), "exec", dont_inherit=True)
+    return script._replace(code=code)
+
+
+def _may_convert(call: ast.Call) -> bool:
+    """Return True for `int` or `float` of a method's result. With one argument, it is usually a number."""
+    match call:
+        case ast.Call(ast.Name("int" | "float"), [ast.Call(ast.Attribute(), arguments, keywords)], []):
+            return len(arguments) + len(keywords) > 1
+    return False

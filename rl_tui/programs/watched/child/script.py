@@ -27,13 +27,13 @@ from rl_tui.programs.watched.notebook import is_notebook, place_in_words, read_n
 
 _LONGEST_REASON: Final = 120
 _MOST_NOTEBOOK_LINES: Final = 500
+_OF_NOTEBOOKS: Final = ("!", "%", "pip install ", "conda install ")
+"""Beginnings of lines that only a notebook understands."""
 _NOT_PYTHON: Final = (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError)
 
 
 class Script(NamedTuple):
-    """A script: its `code`, `text`, syntax `tree` with the line numbers of the file, and the number of
-    skipped notebook lines.
-    """
+    """A script, its syntax `tree`, and the number of skipped notebook lines."""
 
     code: CodeType
     text: str
@@ -42,14 +42,12 @@ class Script(NamedTuple):
 
 
 def read_script(path: Path) -> Script:
-    """Read the script or notebook in the file `path`. Notebook lines, which begin with `!` or `%`, are
-    replaced by `pass`.
+    """Read a script or notebook, with `pass` for notebook lines that begin with `!` or `%`.
 
-    Raises:
-        UserError: The file does not exist, or is not Python. The message has one line.
+    Raises UserError, in one line, if the file is missing, or not Python.
     """
     notebook = read_notebook(path) if is_notebook(path) else None
-    text = _text(path) if notebook is None else notebook.text
+    text = source_of(path) if notebook is None else notebook.text
     try:
         tree, text, count = parsed(text, str(path.absolute()))
         if notebook is not None:
@@ -61,19 +59,21 @@ def read_script(path: Path) -> Script:
 
 
 def _show_in_tracebacks(path: Path, text: str) -> None:
-    """Let tracebacks quote the code of a notebook instead of its file."""
     name = str(path.absolute())
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
 
 
 def check_script(path: Path) -> None:
-    """Raise UserError if `path` is not a valid script, without printing anything."""
+    """Raise UserError for an invalid script, without printing anything."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # they belong to the script, and appear when it runs
         read_script(path)
 
 
-def _text(path: Path) -> str:
+def source_of(path: Path) -> str:
+    """Return a script's Python. Raises UserError if it cannot be read."""
+    if is_notebook(path):
+        return read_notebook(path).text
     name = printable(str(path))
     try:
         content, _ = read_bytes(path, "a Python file")
@@ -92,7 +92,7 @@ def _text(path: Path) -> str:
 
 
 def _decoded(content: bytes) -> str:
-    """Decode `content` with the encoding in its first lines, UTF-8 by default (PEP 263)."""
+    """Decode with the encoding in the first lines, UTF-8 by default (PEP 263)."""
     try:
         encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
     except SyntaxError:
@@ -102,9 +102,9 @@ def _decoded(content: bytes) -> str:
 
 
 def parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
-    """Parse `text` and return tree, parsed text and number of skipped notebook lines. Lines are skipped
-    only where Python fails, because a line with `%` may continue a calculation or a string. Raises
-    SyntaxError, and any exception of the parser.
+    """Return tree, parsed text and number of skipped notebook lines. Raises any exception of the parser.
+
+    Lines are skipped only where Python fails, because a line with `%` may continue a calculation or a string.
     """
     lines: list[str] = []
     count = 0
@@ -114,16 +114,16 @@ def parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
         except SyntaxError as error:
             lines = lines or text.split("\n")
             place = (error.lineno or 0) - 1
-            if not (0 <= place < len(lines) and count < _MOST_NOTEBOOK_LINES):
+            if not 0 <= place < len(lines):
                 raise
-            if not lines[place].lstrip().startswith(("!", "%")):
+            error.text = lines[place]  # the parser reads it from the file, which may be a notebook
+            if count >= _MOST_NOTEBOOK_LINES or not lines[place].lstrip().startswith(_OF_NOTEBOOKS):
                 raise
             count += _leave_out(lines, place)
             text = "\n".join(lines)
 
 
 def _leave_out(lines: list[str], place: int) -> int:
-    """Replace a line and its continuation lines by `pass`, and return their number."""
     first, line = place, lines[place]
     indent = line[: len(line) - len(line.lstrip())]
     while True:
@@ -152,13 +152,14 @@ _LONGEST_STATUS = 200
 
 
 def run_script(script: Script, path: Path, arguments: Sequence[str], note: Callable[[str], None]) -> None:
-    """Run `script` from `path` as `__main__`, and wait for its threads. `note` receives messages about
-    workarounds. Raises any exception of the script, except SystemExit, which is a normal end.
+    """Run `script` as `__main__`, wait for its threads, and `note` workarounds.
+
+    Raises any exception of the script, except SystemExit, which is a normal end.
     """
     file = path.absolute()
     if script.notebook_lines:
         what = counted(script.notebook_lines, "line")
-        note(f"{what} of a notebook, with ! or %, {'is' if script.notebook_lines == 1 else 'are'} skipped")
+        note(f"{what} for notebooks only {'is' if script.notebook_lines == 1 else 'are'} skipped")
     sys.argv = [str(path), *arguments]
     sys.path.insert(0, str(file.parent))
     module = _main_module(file)
@@ -185,7 +186,6 @@ def _main_module(file: Path) -> ModuleType:
 
 
 def _tell_status(status: object, note: Callable[[str], None]) -> None:
-    """Report the exit status of the script, unless it is a normal end."""
     if isinstance(status, str):
         print(status, file=sys.stderr)  # as Python does
     if status is not None and status != 0:

@@ -1,4 +1,4 @@
-"""The panel of the agent's sliders and settings."""
+"""The agent's sliders and settings."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _ROOMY: Final = 8  # rows from which a blank one separates the sliders
 GAMMA: Final = "gamma"  # the parameter whose slider shows flip points
 
 _MEANING: Final = (
-    "Marks are flip points: there the optimal path from the start changes. While t g is open, flip "
+    "Marks are flip points of the optimal path. While t g is open, flip "
     "points of other states are marked too."
 )
 
 
 def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
-    """Return the parameters of ``algorithm`` with a slider and an effect."""
+    """Return parameters with slider and effect."""
     rows = (
         PARAMETERS[name]
         for name in parameters_of(algorithm, values.policy)
@@ -42,14 +42,14 @@ def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = Fal
 
 
 def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
-    """Return the value on a slider. α also shows scheduled sample averages."""
+    """Return a slider's value, for α maybe sample averages."""
     if SAMPLE_AVERAGE in parameter.words and values.sample_average:
         return SAMPLE_AVERAGE
     return values.value(parameter.name)
 
 
 def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
-    """Return the flip points to mark on the slider of γ, unless hidden."""
+    """Return the slider's flip points, unless hidden."""
     known = snapshot.answers.flips
     return tuple(
         SliderMark(
@@ -64,7 +64,7 @@ def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
 
 
 class Controls(Container, BoardPanel):
-    """Sliders and settings. They show ``wanted`` values before the run follows."""
+    """Sliders and settings, with ``wanted`` values at once."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
@@ -76,11 +76,11 @@ class Controls(Container, BoardPanel):
         self._sliders: dict[str, Slider] = {}  # by name: some are not mounted yet
 
     def has_slider(self, name: str) -> bool:
-        """Return whether the parameter ``name`` has a slider."""
+        """Return whether a parameter has a slider."""
         return any(parameter.name == name for parameter in self._parameters)
 
     def on_resize(self) -> None:
-        """Fit heading and blank row to the new size."""
+        """Refit heading and blank row."""
         self._write_border()
         margin = (self.size.height >= _ROOMY, 0, 0, 0)
         if self._sliders and self.query_one("#sliders").styles.margin != margin:
@@ -88,7 +88,7 @@ class Controls(Container, BoardPanel):
 
     def _write_border(self) -> None:
         numbers = " ".join(str(number + 1) for number in range(len(self._parameters)))
-        explained = f"Agent · {numbers} to turn"
+        explained = f"Agent · {numbers} to adjust"
         has_room = self.is_explained and len(explained) <= self.size.width - BORDER_ENDS
         self.write_border(explained if has_room else "Agent", "", self.look)
         self._label_sliders()
@@ -104,7 +104,7 @@ class Controls(Container, BoardPanel):
             slider.label(names[name], columns, is_pointed_at=self.is_spotlit and is_line and place == 0)
 
     def begin_with(self, recipe: Recipe) -> None:
-        """Show the sliders of ``recipe`` before the first snapshot."""
+        """Show sliders before the first snapshot."""
         self.wanted = recipe.hyperparameters
         is_bandit = recipe.scenario.kind == "bandit"
         self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
@@ -116,7 +116,7 @@ class Controls(Container, BoardPanel):
         yield AgentSettings(self.look, id="settings")
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return the contents, or None while a slider shows a refused value."""
+        """Return the contents, or None with a refused value."""
         if any(each.value != in_force(self.wanted, each.parameter) for each in self._sliders.values()):
             return None
         agent, playback, episode = snapshot.agent, snapshot.playback, snapshot.counters.episodes

@@ -1,4 +1,4 @@
-"""Settings of the agent without sliders, changed by a click."""
+"""Settings of the agent without sliders."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter, why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, why_idle
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -28,7 +28,7 @@ _KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have their own key
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A setting with its key and action. High ``rank`` is dropped first."""
+    """A setting. High ``rank`` is dropped first."""
 
     key: str
     label: str
@@ -60,7 +60,8 @@ def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
     for name in parameters:
         parameter = PARAMETERS[name]
         idle = why_idle(name, snapshot.agent.algorithm, values, is_bandit=is_bandit)
-        if is_an_option(parameter) and not idle:
+        is_shown_elsewhere = parameter.slide is not None or parameter.schedule or name in _KEYED
+        if not (is_shown_elsewhere or idle):
             value = option_text(values.value(name))
             yield Setting("", parameter.symbol, value, "agent.show_options", 7)
     episode = snapshot.counters.episodes
@@ -73,39 +74,34 @@ def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
 
 
 def alpha_moves(values: Hyperparameters) -> bool:
-    """Return whether a schedule changes α between episodes."""
+    """Return whether α changes between episodes."""
     is_scheduled = values.step_size_schedule != "constant" and not values.sample_average
     return is_scheduled and values.alpha_decay > 0.0
 
 
 def epsilon_moves(values: Hyperparameters) -> bool:
-    """Return whether a schedule changes ε between episodes."""
+    """Return whether ε changes between episodes."""
     return values.epsilon_schedule != "constant" and values.epsilon_decay > 0.0
 
 
-def is_an_option(parameter: Parameter) -> bool:
-    """Return whether only the list of options has ``parameter``."""
-    return parameter.slide is None and not parameter.schedule and parameter.name not in _KEYED
-
-
 def option_text(value: float | str) -> str:
-    """Return a value as shown in settings."""
+    """Write a value as shown in settings."""
     return value if isinstance(value, str) else f"{value:g}"
 
 
 def called(name: str, value: float | str) -> str:
-    """Return the display name of a parameter's value."""
+    """Return the display name of a value."""
     return POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
 
 
 def speed_text(speed: float | None) -> str:
-    """Return a speed as text: ``10/s``, ``max``."""
+    """Write a speed: ``10/s``, ``max``."""
     return "max" if speed is None else f"{speed:,.0f}/s"
 
 
 @dataclass(frozen=True, slots=True)
 class SettingCell:
-    """The text of a setting, in columns ``start`` to before ``end``."""
+    """A setting's text, in columns ``start`` to before ``end``."""
 
     start: int
     end: int
@@ -116,7 +112,7 @@ class SettingCell:
 
 
 def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[SettingCell]]:
-    """Return lines of ``settings``, without unimportant ones if needed."""
+    """Arrange ``settings``, dropping unimportant ones if needed."""
     kept = list(settings)
     while kept:
         for gap in (_WIDE_GAP, _GAP):
@@ -148,7 +144,7 @@ def _cell(start: int, setting: Setting, glyphs: Glyphs) -> SettingCell:
 
 
 class AgentSettings(Widget):
-    """The settings in one row or more. A click changes one."""
+    """The settings, changed by clicks."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)

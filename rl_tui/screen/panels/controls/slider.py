@@ -1,6 +1,6 @@
-"""A slider for one parameter, by keys, wheel, mouse or typing.
+"""A slider for one parameter.
 
-The first key that cannot belong to a value ends the typing and keeps its usual effect.
+A key that cannot belong to a value ends the typing and keeps its usual effect.
 """
 
 from __future__ import annotations
@@ -19,15 +19,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparam
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.pointing import Draggable
-from rl_tui.screen.panels.controls.slider_picture import (
-    SliderMark,
-    SliderScale,
-    SliderState,
-    parsed,
-    scale_of,
-    slider_form,
-    slider_strip,
-)
+from rl_tui.screen.panels.controls import slider_picture
 from rl_tui.screen.theme.look import Look
 
 _BEGINS_TYPING: Final = frozenset("056789.,")  # 1 to 4 focus the other sliders
@@ -40,10 +32,10 @@ _STAY: Final = frozenset({"enter", "tab", "shift+tab", "left", "right", "home", 
 
 
 class Slider(Draggable, can_focus=True):
-    """Shows and sets the value of ``parameter``.
+    """A slider for ``parameter``.
 
-    Posts Changed for user actions, with ``reports_at_once`` at every cell of a drag. Messages go directly to
-    the screen, to arrive before the key that ended the typing. Raises ValueError without a finite range.
+    Posts Changed, with ``reports_at_once`` at every cell of a drag. Messages go directly to the screen, to
+    arrive before the key that ended the typing. Raises ValueError without a finite range.
     """
 
     ALLOW_SELECT = False
@@ -66,14 +58,14 @@ class Slider(Draggable, can_focus=True):
 
     @dataclass
     class Changed(Message):
-        """The user set the parameter ``name`` to ``value``."""
+        """The user set a parameter."""
 
         name: str
         value: float | str
 
     @dataclass
     class Refused(Message):
-        """The typed text is not a valid value, for this ``reason``."""
+        """The typed text is not valid."""
 
         reason: str
 
@@ -81,7 +73,7 @@ class Slider(Draggable, can_focus=True):
         """The user leaves the slider."""
 
     class TypingChanged(Message):
-        """Typing a value has begun or ended."""
+        """Typing has begun or ended."""
 
     def __init__(
         self,
@@ -97,14 +89,14 @@ class Slider(Draggable, can_focus=True):
         self._before_drag = value
         self.look = look
         self.parameter = parameter
-        self.scale = scale_of(parameter)
+        self.scale = slider_picture.scale_of(parameter)
         typed = "a number or 1/N" if SAMPLE_AVERAGE in parameter.words else "a number"
         help_text = (
             f"{parameter.help}. The arrows change it. enter, or a click on its value, types {typed}. "
             "For a value that begins with 1 to 4, press enter first."
         )
         self._help = self.tooltip = to_ascii(help_text, look.glyphs)
-        self._state = SliderState(value, label_columns=label_columns)
+        self._state = slider_picture.SliderState(value, label_columns=label_columns)
         self._number = _first_number(parameter, self.scale, value)
 
     @property
@@ -119,29 +111,29 @@ class Slider(Draggable, can_focus=True):
         self._change(value=value)
 
     @property
-    def marks(self) -> tuple[SliderMark, ...]:
-        """The marks on the track, rising."""
+    def marks(self) -> tuple[slider_picture.SliderMark, ...]:
+        """The rising marks on the track."""
         return self._state.marks
 
-    def set_marks(self, marks: tuple[SliderMark, ...], meaning: str = "") -> None:
-        """Show rising ``marks`` on the track, with their ``meaning``."""
+    def set_marks(self, marks: tuple[slider_picture.SliderMark, ...], meaning: str = "") -> None:
+        """Show rising ``marks`` with their ``meaning``."""
         if marks != self.marks:
             self._change(marks=marks)
             tip = f"{self._help} {meaning} {{ and }} go past the marks." if marks else self._help
             self.tooltip = to_ascii(tip, self.look.glyphs)
 
     def label(self, name: str, columns: int, *, is_pointed_at: bool) -> None:
-        """Write ``name`` after the symbol, marked if a lesson points here."""
+        """Write ``name``, marked if a lesson points here."""
         self._change(name=name, label_columns=columns, is_pointed_at=is_pointed_at)
 
     @property
     def is_typing(self) -> bool:
-        """Whether a value is being typed."""
+        """True if the user is typing."""
         return self._state.typed is not None
 
     @property
-    def state(self) -> SliderState:
-        """The displayed state of the slider."""
+    def state(self) -> slider_picture.SliderState:
+        """The displayed state."""
         return replace(self._state, focused=self.has_focus)
 
     def _change(self, **changes: Any) -> None:
@@ -150,17 +142,17 @@ class Slider(Draggable, can_focus=True):
             self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """Return the row, or a blank one below it."""
+        """Draw the slider, or a blank row."""
         width = self.size.width
         if y > 0 or width < 1:
             return Strip.blank(width, self.rich_style)
-        strip = slider_strip(self.parameter, self.scale, self.state, self.look, width)
+        strip = slider_picture.slider_strip(self.parameter, self.scale, self.state, self.look, width)
         return strip.apply_style(self.rich_style)
 
     # Keys
 
     def action_move(self, step: str, direction: int) -> None:
-        """Move the value by a ``step``. A word becomes the last number."""
+        """Move by ``step``. A word becomes the last number."""
         by = {"step": self.scale.step, "fine": self.scale.fine, "coarse": self.scale.coarse}[step]
         self._set(self._moved(direction * by))
 
@@ -186,7 +178,7 @@ class Slider(Draggable, can_focus=True):
         self.screen.post_message(self.Released())
 
     def on_key(self, event: events.Key) -> None:
-        """Handle keys of a value. Any other key ends the typing."""
+        """Type, or end the typing."""
         if self._state.typed is not None:
             self._take_key(event, self._state.typed)
         elif event.character in _BEGINS_TYPING or (event.character and self._is_sign(event.character)):
@@ -198,7 +190,7 @@ class Slider(Draggable, can_focus=True):
         self.refresh()
 
     def on_blur(self) -> None:
-        """Set the typed value, unless the whole terminal lost the focus."""
+        """Set the typed value, unless the terminal lost the focus."""
         if self.app.app_focus and self.is_attached:
             self._set_typed()
             self._type(None)
@@ -240,7 +232,6 @@ class Slider(Draggable, can_focus=True):
             self.screen.post_message(self.TypingChanged())
 
     def _set_typed(self) -> bool:
-        """Set the typed value. Return False if refused."""
         text = self._state.typed
         if text is None:
             return True
@@ -248,7 +239,7 @@ class Slider(Draggable, can_focus=True):
         if not text:
             return True
         try:
-            value = parsed(text, self.parameter)
+            value = slider_picture.parsed(text, self.parameter)
         except ValueError as fault:
             self._change(refused=True)
             now = self.value if isinstance(self.value, str) else f"{self.value:g}"
@@ -262,7 +253,7 @@ class Slider(Draggable, can_focus=True):
     # Mouse
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Move the thumb to the pointer and hold it."""
+        """Take and hold the thumb."""
         offset = event.get_content_offset(self)
         if event.button != 1 or offset is None:
             return
@@ -278,18 +269,18 @@ class Slider(Draggable, can_focus=True):
             self._type("")
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Raise the value by one step."""
+        """Raise the value."""
         event.stop()
         self._set(self._moved(self.scale.step))
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Lower the value by one step."""
+        """Lower the value."""
         event.stop()
         self._set(self._moved(-self.scale.step))
 
     def _track(self) -> tuple[int, int]:
         plain = replace(self.state, value=self._number, typed=None, refused=False)
-        form = slider_form(self.parameter, plain, self.look.glyphs, self.size.width)
+        form = slider_picture.slider_form(self.parameter, plain, self.look.glyphs, self.size.width)
         return form.start, form.cells
 
     def drag_to(self, column: int) -> None:
@@ -298,11 +289,11 @@ class Slider(Draggable, can_focus=True):
         self._set(self.scale.at_cell(column - start, cells))
 
     def on_mouse_up(self) -> None:
-        """Report the value at the end of a drag."""
+        """Report the dragged value."""
         self._tell_drag()
 
     def on_mouse_release(self) -> None:
-        """Report the value when another widget takes the mouse."""
+        """Report the dragged value if another widget takes the mouse."""
         self._tell_drag()
 
     def _tell_drag(self) -> None:
@@ -322,13 +313,13 @@ class Slider(Draggable, can_focus=True):
             self.screen.post_message(self.Changed(self.parameter.name, value))
 
 
-def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) -> float:
+def _first_number(parameter: Parameter, scale: slider_picture.SliderScale, value: float | str) -> float:
     default = Hyperparameters().value(parameter.name) if parameter.name in PARAMETERS else scale.low
     return next((float(each) for each in (value, default) if not isinstance(each, str)), scale.low)
 
 
 def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """Return forms of the keys of the focused slider."""
+    """Return the focused slider's keys."""
     if not isinstance(focused, Slider):
         return ()
     if not focused.is_typing:

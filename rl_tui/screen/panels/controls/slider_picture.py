@@ -1,4 +1,4 @@
-"""The picture of a slider in one row."""
+"""A slider in one row."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NOISE: Final = 12  # decimals: further ones are rounding errors
 class SliderScale:
     """A finite range in hundredths.
 
-    ``fine`` is a tenth of a step, ``coarse`` ten steps. ``logarithmic`` scales have equal ratios.
+    ``fine`` is a tenth of a step, ``coarse`` ten.
     """
 
     range: Range
@@ -37,31 +37,31 @@ class SliderScale:
         if not math.isfinite(self.span) or self.span <= 0.0:
             raise ValueError(f"a slider needs a finite range, not {self.range}")
         if self.logarithmic and self.range.low <= 0.0:
-            raise ValueError(f"equal ratios do not reach {self.range.low:g}")
+            raise ValueError(f"a slider with equal ratios cannot reach {self.range.low:g}")
 
     @property
     def span(self) -> float:
-        """The width of the range, or 1 if logarithmic."""
+        """The range's width, or 1 if logarithmic."""
         return 1.0 if self.logarithmic else self.range.high - self.range.low
 
     @property
     def step(self) -> float:
-        """The movement by a key or the wheel."""
+        """The move of key or wheel."""
         return max(1.0, round(self.span / 100.0)) if self.whole else self.span / 100.0
 
     @property
     def fine(self) -> float:
-        """The smallest movement."""
+        """The smallest move."""
         return 1.0 if self.whole else self.span / 1000.0
 
     @property
     def coarse(self) -> float:
-        """The largest movement except to an end."""
+        """The largest move except to an end."""
         return max(1.0, round(self.span / 10.0)) if self.whole else self.span / 10.0
 
     @property
     def low(self) -> float:
-        """The lower end, a fine step above an excluded end."""
+        """The lower end, a fine step above an excluded one."""
         return float(self.range.low + self.fine if self.range.open_low else self.range.low)
 
     @property
@@ -70,7 +70,7 @@ class SliderScale:
         return float(self.range.high)
 
     def moved(self, value: float, by: float) -> float:
-        """Return ``value`` moved within the ends, unless typed beyond them."""
+        """Move within the ends, unless typed beyond them."""
         if self.logarithmic:  # rounded to the step of the keys
             target = _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
         else:
@@ -80,7 +80,7 @@ class SliderScale:
         return min(target, max(value, self.high))
 
     def cell_of(self, value: float, cells: int) -> int:
-        """Return the cell of the thumb."""
+        """Return the thumb's cell."""
         return min(cells - 1, max(0, round(self._share(value) * (cells - 1))))
 
     def at_cell(self, cell: int, cells: int) -> float:
@@ -111,14 +111,9 @@ class SliderScale:
 
 
 def scale_of(parameter: Parameter) -> SliderScale:
-    """Return the scale of a slider.
-
-    Raises:
-        ValueError: The parameter has no range.
-
-    """
+    """Return the scale, or raise ValueError without one."""
     if parameter.range is None:
-        raise ValueError(f"a slider needs a range; {parameter.name} takes words only")
+        raise ValueError(f"a slider needs a range; {parameter.name} has only words as values")
     slide, whole = parameter.slide, parameter.range
     if slide is None:
         return SliderScale(whole, whole=parameter.whole)
@@ -131,12 +126,7 @@ def _significant(value: float, digits: int) -> float:
 
 
 def parsed(text: str, parameter: Parameter) -> float | str:
-    """Return the number or word meant by ``text``.
-
-    Raises:
-        ValueError: It means none in range.
-
-    """
+    """Parse a value, or raise ValueError."""
     text = text.strip().lower()
     words = [word for word in parameter.words if text and word.startswith(text)]
     words += [word for form, word in _SHORT_FORMS.items() if text == form and word in parameter.words]
@@ -154,6 +144,7 @@ def parsed(text: str, parameter: Parameter) -> float | str:
 ROOMY: Final = 30
 LEAST_TRACK: Final = 3
 _NUMBER: Final = 5
+_LEAST_NUMBER: Final = 3
 _SPELLED: Final = 7  # cells of ``epsilon``
 _BESIDE_NAME: Final = 17  # cells: a short track and a number
 _CARET: Final = " "
@@ -162,7 +153,7 @@ _WORDS: Final = {SAMPLE_AVERAGE: ("1/N  sample average", "1/N sample average", "
 
 @dataclass(frozen=True, slots=True)
 class SliderMark:
-    """A mark at ``value``, with the values just beyond it."""
+    """A mark, with the values just beyond it."""
 
     value: float
     below: float
@@ -172,7 +163,7 @@ class SliderMark:
 
 @dataclass(frozen=True, slots=True)
 class SliderState:
-    """The displayed state of a slider. ``typed`` is None unless typing."""
+    """A slider's state. ``typed``: None unless typing."""
 
     value: float | str
     typed: str | None = None
@@ -186,7 +177,7 @@ class SliderState:
 
 @dataclass(frozen=True, slots=True)
 class SliderForm:
-    """A row: blank, ``label``, gap, ``cells`` of track, gap, ``text``."""
+    """Blank, ``label``, gap, ``cells`` of track, gap, ``text``."""
 
     label: str
     gap: int
@@ -195,12 +186,12 @@ class SliderForm:
 
     @property
     def start(self) -> int:
-        """The first column of the track or text."""
+        """The first column of track or text."""
         return 1 + cell_len(self.label) + self.gap
 
 
 def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width: int) -> SliderForm:
-    """Return the layout of the row."""
+    """Lay out the row."""
     gap = 2 if width >= ROOMY else 1
     label = to_ascii(parameter.symbol, glyphs)
     if state.name and width >= ROOMY and width >= state.label_columns + _BESIDE_NAME:
@@ -218,13 +209,20 @@ def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width:
     cells = room - cell_len(text)
     if cells >= LEAST_TRACK:
         return SliderForm(label, gap, cells, text)
-    return SliderForm(label, gap, 0, text if cell_len(text) <= room + gap + 1 else "")
+    alone = room + gap + 1
+    if alone < _LEAST_NUMBER:
+        label = label[: max(1, len(label) - _LEAST_NUMBER - 1 + alone)]
+        alone = width - 1 - cell_len(label) - gap
+    is_number = not isinstance(state.value, str) and state.typed is None and not state.refused
+    if cell_len(text) > alone >= _LEAST_NUMBER and is_number:
+        text = numbers.value(float(state.value), alone, glyphs)
+    return SliderForm(label, gap, 0, text if cell_len(text) <= alone else "")
 
 
 def slider_strip(
     parameter: Parameter, scale: SliderScale, state: SliderState, look: Look, width: int
 ) -> Strip:
-    """Return the row of a slider."""
+    """Draw a slider's row."""
     palette, glyphs = look.palette, look.glyphs
     form = slider_form(parameter, state, glyphs, width)
     symbol, name, padding = form.label.partition(" ")

@@ -25,6 +25,7 @@ from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of, wrapped
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
+from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
 from rl_tui.screen.panels.curve.area import (
@@ -37,14 +38,13 @@ from rl_tui.screen.panels.curve.area import (
     pixel_styles,
     says_something,
 )
-from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, unit_of
+from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, is_over, unit_of
 from rl_tui.screen.panels.curve.seed_band import seed_cells, seed_remark, with_room_for
 from rl_tui.screen.panels.curve.text import (
     AGENT,
     BEST_ARM,
     GREEDY,
     LEFT,
-    NOTHING_YET,
     OPTIMAL,
     TITLES,
     LineLabel,
@@ -59,6 +59,7 @@ from rl_tui.screen.panels.curve.text import (
     lane_heads,
     lane_labels,
     lane_remark,
+    nothing_yet,
     plot_columns,
     remark,
     steps_note,
@@ -75,14 +76,14 @@ _MARKS_APART: Final = 16  # columns between two numbers on a line
 
 
 class LaneCells(NamedTuple):
-    """Codes of characters (0: none), and lines: −1 none, 0 greedy, n run n."""
+    """Characters (0: none), and lines: −1 none, 0 greedy, n run n."""
 
     codes: IntArray
     line: IntArray
 
 
 def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
-    """Return the lines of all means, and the greedy line."""
+    """Draw all means and the greedy line."""
     if look.glyphs.braille:
         layers = np.stack([plot.braille_line(line) for line in data.lines])
         layers[layers == braille.BLANK] = 0
@@ -129,7 +130,7 @@ _NOTHING, _CHANGE, _OPTIMUM, _STUDIED, _OUTLIER, _GREEDY, _CELLS = range(7)
 def draw_chart(
     data: CurveData, plot: Plot, columns: PlotColumns, look: Look, size: tuple[int, int], *, has_band: bool
 ) -> list[Strip]:
-    """Return the picture of ``size`` (columns, rows)."""
+    """Draw the chart in ``size`` (columns, rows)."""
     width, height = size
     canvas = Canvas(width, height, look.palette.text)
     decimals = decimals_of_labels(plot.scale)
@@ -145,7 +146,7 @@ def draw_chart(
         else:
             _draw_area(canvas, plot, data, look, has_band=has_band)
     else:
-        _put_message(canvas, plot, NOTHING_YET[data.unit], look)
+        _put_message(canvas, plot, nothing_yet(data), look)
     for label, row in _rows_of(names[: plot.rows], plot):
         canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
     if (data.barren or data.unlearned or data.cut_at) and not data.lanes:
@@ -254,7 +255,6 @@ def _styles(data: CurveData, palette: Palette, grounds: tuple[Style, ...]) -> li
 
 @lru_cache(64)
 def _styles_on(palette: Palette, studied: Style, grounds: tuple[Style, ...]) -> list[list[Style]]:
-    """Return the styles of each kind, on the page and on each of ``grounds``."""
     over = [Style(bgcolor=ground.color) for ground in grounds]
     inks = (palette.text, palette.dim, palette.dim, studied, palette.dim, palette.greedy_line)
     return [[ink, *(ink + ground for ground in over)] for ink in inks]
@@ -278,14 +278,21 @@ def _put_cells(
 def _put_message(
     canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, *, at_top: bool = False
 ) -> None:
+    words = [separated(each, look.glyphs) for each in words]
     whole = " ".join(words)
     parts = (whole,) if len(whole) <= plot.columns else words
-    lines = [line for part in parts for line in wrapped(part, plot.columns, look.palette.text, look)]
+    lines = _wrapped_parts(parts, plot, look)
+    if len(lines) > plot.rows:
+        lines = _wrapped_parts((words[0].rstrip(":"),), plot, look)
     first = 0 if at_top else max(0, (plot.rows - len(lines)) // 2)
     for row, line in enumerate(lines[: plot.rows], first):
         for piece in line:
             text = f" {piece.text} " if cell_len(piece.text) + 2 <= plot.columns else piece.text
             canvas.put(plot.left + (plot.columns - cell_len(text)) // 2, row, text, piece.style)
+
+
+def _wrapped_parts(parts: Sequence[str], plot: Plot, look: Look) -> list[Line]:
+    return [line for part in parts for line in wrapped(part, plot.columns, look.palette.text, look)]
 
 
 def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, int]]:
@@ -300,7 +307,7 @@ def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, in
 
 
 def spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str) -> Line:
-    """Return the means in one row of ``width`` cells, then ``words``."""
+    """Draw one row of means, then ``words``."""
     columns = width - cell_len(words) - 2
     if columns < 1 or not len(data.mean.means):
         return [Piece(words, look.palette.dim)]
@@ -315,25 +322,22 @@ Words = tuple[str, ...]
 
 
 class ReturnCurve(Panel, can_focus=True):
-    """The curve of a run, whose vertical axis changes in steps.
-
-    ``hints`` are forms of keys that replace the caption.
-    """
+    """The curve, whose vertical axis changes in steps."""
 
     scale: Scale | None = None
-    _is_of_steps = False
+    _shows = False, False  # steps, errors of V
     _band: tuple[object, bool] = (None, False)
     _hints: Words = ()
     _unit = "episode"
 
     def begin_with(self, recipe: Recipe) -> None:
-        """Set the title for ``recipe`` before the first snapshot."""
+        """Set the title before the first snapshot."""
         plans = algorithm_row(recipe.algorithm).planner
         self._unit = unit_of(plans=plans, is_bandit=recipe.scenario.kind == "bandit")
 
     @property
     def hints(self) -> Words:
-        """The keys in the heading, if any."""
+        """The keys that replace the caption."""
         return self._hints
 
     @hints.setter
@@ -347,9 +351,15 @@ class ReturnCurve(Panel, can_focus=True):
         values, episodes = snapshot.agent.hyperparameters, snapshot.counters.episodes
         answers, playback, lanes = snapshot.answers, snapshot.playback, snapshot.run_group.lanes
         return (
-            *(snapshot.world, snapshot.world_changes, snapshot.results, snapshot.study),
+            *(
+                snapshot.world,
+                snapshot.world_changes,
+                snapshot.results,
+                snapshot.study,
+                snapshot.value_errors,
+            ),
             *(snapshot.agent.algorithm, values.policy, values.epsilon_at(episodes), is_decided(snapshot)),
-            *(episodes, snapshot.program is None, has_estimates(snapshot)),
+            *(episodes, snapshot.program is None, is_over(snapshot), has_estimates(snapshot)),
             *(snapshot.timeline.in_past, snapshot.timeline.furthest, snapshot.counters.episode_step > 0),
             episode_axis(snapshot).right,
             *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
@@ -361,13 +371,13 @@ class ReturnCurve(Panel, can_focus=True):
         )
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``. The past keeps the axis of the present."""
+        """Draw ``snapshot``. The past keeps the present's axis."""
         if is_new_run(self.snapshot, snapshot):
             self.scale = self.drawn_from = None
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of the curve."""
+        """Draw the curve."""
         if snapshot is None:
             self.heading = self.fitting([TITLES[self._unit]], width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
@@ -377,21 +387,23 @@ class ReturnCurve(Panel, can_focus=True):
             return strips_of([self._row(data, scale, width)], width, 1, self.look)
         columns = plot_columns(snapshot, self.look, width)
         plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
-        key = plot, bool(data.lanes), data.seeds, data.is_of_steps
+        key = plot, bool(data.lanes), data.seeds, data.is_of_steps, data.is_of_errors
         if self._band[0] != key or not _runs(snapshot):
-            is_plain = data.lanes or data.seeds or data.is_of_steps or data.is_bandit or not data.furthest
+            is_plain = data.lanes or data.seeds or data.is_bandit or not data.furthest
+            is_plain = is_plain or data.is_of_steps or data.is_of_errors
             has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
             self._band = key, has_band
         self.heading = self._headed(snapshot, data, plot, columns, width)
         return draw_chart(data, plot, columns, self.look, (width, height), has_band=self._band[1])
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
-        if data.is_of_steps is not self._is_of_steps:
-            self.scale, self._is_of_steps = None, data.is_of_steps
+        if (shows := (data.is_of_steps, data.is_of_errors)) != self._shows:
+            self.scale, self._shows = None, shows
         if snapshot.timeline.in_past and self.scale is not None:
             return self.scale
         low, high = with_room_for(data.range, data.seeds)
-        scale = settled(self.scale if _runs(snapshot) else None, low, high)
+        least = 0.0 if any(shows) else -math.inf  # steps and errors cannot be negative
+        scale = settled(self.scale if _runs(snapshot) else None, low, high, least)
         if low or high:
             # before any episode nothing uses the scale, and it must not depend on when exact values arrive
             self.scale = scale
@@ -430,7 +442,7 @@ class ReturnCurve(Panel, can_focus=True):
         if width < _LEAST_WITH_NAMES:
             return spark_line(data, scale, look, width, self._brief(data, decimals))
         title = f"{heads(data, has_band=False)[-1]}  "
-        words = self._brief(data, decimals, has_names=True) or " ".join(NOTHING_YET[data.unit])
+        words = self._brief(data, decimals, has_names=True) or " ".join(nothing_yet(data))
         line = spark_line(data, scale, look, width - len(title), words)
         return [Piece(title, look.palette.strong), *line]
 

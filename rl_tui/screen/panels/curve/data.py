@@ -1,4 +1,4 @@
-"""The numbers of a snapshot that the return curve shows."""
+"""The numbers that the return curve shows."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ class EpisodeAxis:
     right: float
 
     def episode_of(self, step: float) -> float:
-        """Return the number of episodes after ``step``."""
+        """Return the episodes after ``step`` steps."""
         return float(np.interp(step, self.step, self.episode))
 
     def step_of(self, episode: float) -> float:
-        """Return the step after ``episode`` episodes."""
+        """Return the steps after ``episode`` episodes."""
         return float(np.interp(episode, self.episode, self.step))
 
 
 @lru_cache(2)
 def episode_axis(snapshot: Snapshot) -> EpisodeAxis:
-    """Return the axis of the shown branch."""
+    """Return the shown branch's axis."""
     timeline, counters = snapshot.timeline, snapshot.counters
     furthest = timeline.furthest if timeline.in_past else None
     known = furthest or Furthest(counters, snapshot.results)
@@ -112,7 +112,7 @@ _STUDIED: Final = {PolicyKind.UNIFORM: "random", PolicyKind.BEHAVIOUR: "acting",
 
 
 class StudiedLevel(NamedTuple):
-    """The exact return ``value`` of the policy ``kind``, with its name."""
+    """The exact return of the policy ``kind``."""
 
     kind: PolicyKind
     name: str
@@ -123,8 +123,8 @@ class StudiedLevel(NamedTuple):
 class LaneLine:
     """One of several runs.
 
-    ``line``: moving mean of returns or steps, or a planner's greedy return (``is_exact``). ``value``: its
-    end, or None. ``greedy_now``: None if unknown, hidden or already the line.
+    ``line``: moving mean, or a planner's greedy return (``is_exact``). ``value``: its end. ``greedy_now``:
+    None if unknown, hidden or already the line.
     """
 
     number: int
@@ -140,13 +140,13 @@ class LaneLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveData:
-    """The curve of the shown run, and the numbers beside it.
+    """The shown run's curve, and the numbers beside it.
 
-    ``is_of_steps``: all returns are equal, so ``mean`` is of steps per episode. Numbers are None if unknown,
-    hidden or already drawn. ``has_key``: a key reveals hidden ones. ``barren``: long without reward.
-    ``unlearned``: long without update. ``cut_at``: time limit that truncated every episode with one return,
-    else 0. ``is_decided``: estimates differ somewhere. ``greedy_ends``: chance that the greedy policy ends,
-    if it has no return.
+    ``is_of_steps``: all returns are equal, so ``mean`` is of steps per episode. ``is_of_errors``: each state
+    has one action, so ``mean`` is the error of V. Numbers are None if unknown, hidden or already drawn.
+    ``barren``: long without reward. ``unlearned``: long without update. ``cut_at``: time limit that truncated
+    every episode with one return, else 0. ``is_decided``: estimates differ somewhere. ``greedy_ends``: chance
+    that the greedy policy ends, if it has no return. ``waits_for_prediction``: a lesson holds the run.
     """
 
     finished: int
@@ -158,6 +158,7 @@ class CurveData:
     mean_now: float | None
     optimum: float | None
     is_of_steps: bool
+    is_of_errors: bool
     is_bandit: bool
     unit: str
     hides_optimum: bool
@@ -173,20 +174,23 @@ class CurveData:
     seeds: tuple[SeedBand, ...]
     has_estimates: bool
     world_changes: tuple[WorldChanged, ...]
+    is_over: bool
+    """True at the end of a program, so that no key adds an episode."""
+    waits_for_prediction: bool
 
     @property
     def world_since(self) -> int:
-        """The finished episodes when the current world began."""
+        """The finished episodes when the world began."""
         return self.world_changes[-1].episodes if self.world_changes else 0
 
     @property
     def furthest(self) -> int:
-        """The last episode that any run has finished."""
+        """The last episode of any run."""
         return max(self.finished, *(lane.finished for lane in self.lanes)) if self.lanes else self.finished
 
     @property
     def lines(self) -> list[Steps]:
-        """The greedy line, unless a run has it, then one line per run."""
+        """The greedy line, unless a run has it, and the runs."""
         if not self.lanes:
             return [self.greedy, self.mean.line]
         has_greedy = not any(lane.shown and lane.is_exact for lane in self.lanes)
@@ -200,6 +204,8 @@ class CurveData:
         """
         means = [self.mean.means, *(lane.line.low for lane in self.lanes if not lane.is_exact)]
         late = [each[len(each) // _EARLY :] for each in means if len(each)]
+        if self.is_of_errors:
+            return 0.0, float(self.mean.means.max(initial=0.0))
         if self.is_of_steps:
             return 0.0, max((float(np.quantile(each, 1.0 - _OUTLIERS)) for each in late), default=1.0)
         exact = [self.greedy_now, None if self.studied is None else self.studied.value]
@@ -221,7 +227,7 @@ class CurveData:
 
 
 def curve_data(snapshot: Snapshot) -> CurveData:
-    """Return the numbers to draw, without hidden ones."""
+    """Collect the numbers that are not hidden."""
     is_bandit, first_update = isinstance(snapshot.world.drawing, Arms), snapshot.answers.first_update
     lanes, results, axis = snapshot.run_group.lanes, snapshot.results, episode_axis(snapshot)
     shown = [each.curve for each in [lane.results for lane in lanes] or [results] if len(each.curve.episode)]
@@ -233,7 +239,9 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     window = window_of(shown, axis.right, is_compared=bool(lanes) or compares_seeds)
     mean = moving_mean(curve.episode, curve.length_mean if of_steps else curve.return_mean, window)
     last_100 = results.length_last_100 if of_steps else results.return_last_100
-    hidden = hides_greedy(snapshot) or of_steps
+    of_errors = _errors(snapshot, axis) if not (lanes or compares_seeds or is_secret(snapshot)) else None
+    mean = of_errors or mean
+    hidden = hides_greedy(snapshot) or of_steps or of_errors is not None
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     return CurveData(
         finished=snapshot.counters.episodes,
@@ -243,8 +251,9 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         greedy=NO_STEPS if hidden else _greedy(results, snapshot.counters.episodes),
         greedy_now=None if hidden else results.greedy_return,
         mean_now=mean.now(last_100),
-        optimum=None if hides_optimum or of_steps else snapshot.exact_answer.expected_return,
+        optimum=None if hides_optimum or of_steps or of_errors else snapshot.exact_answer.expected_return,
         is_of_steps=of_steps,
+        is_of_errors=of_errors is not None,
         is_bandit=is_bandit,
         unit=unit_of(plans=snapshot.agent.row.planner, is_bandit=is_bandit),
         hides_optimum=hides_optimum,
@@ -255,7 +264,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         is_decided=is_decided(snapshot),
         greedy_ends=None if hidden else results.greedy_ends,
         acting_now=_acting(snapshot),
-        studied=None if of_steps else _studied(snapshot),
+        studied=None if of_steps or of_errors else _studied(snapshot),
         lanes=tuple(
             _lane(number, lane, snapshot.run_group.shown, window, hidden=hidden, of_steps=of_steps)
             for number, lane in enumerate(lanes, 1)
@@ -263,7 +272,24 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         seeds=seed_bands(snapshot, window) if compares_seeds else (),
         has_estimates=has_estimates(snapshot),
         world_changes=snapshot.world_changes,
+        is_over=is_over(snapshot),
+        waits_for_prediction=keeps_back(snapshot, "run"),
     )
+
+
+def is_over(snapshot: Snapshot) -> bool:
+    """Return True at the end of a program."""
+    program = snapshot.program
+    return program is not None and program.ended and not snapshot.timeline.in_past
+
+
+def _errors(snapshot: Snapshot, axis: EpisodeAxis) -> MovingMean | None:
+    history = snapshot.value_errors
+    if history is None:
+        return None
+    ends = np.interp(history.step, axis.step, axis.episode)
+    later = np.diff(ends, prepend=0.0) > 0.0
+    return moving_mean(ends[later], history.error[later], 1)
 
 
 def _returns_are_equal(curves: Sequence[Curve]) -> bool:
@@ -277,7 +303,7 @@ def _limit_of_all(curves: Sequence[Curve], limit: int) -> int:
 
 
 def unit_of(*, plans: bool, is_bandit: bool) -> str:
-    """Return the unit of the horizontal axis."""
+    """Return the horizontal axis's unit."""
     return "sweep" if plans else "pull" if is_bandit else "episode"
 
 
@@ -326,7 +352,7 @@ def _greedy(results: RunResults, episodes: int) -> Steps:
 
 
 def is_decided(snapshot: Snapshot) -> bool:
-    """Return whether a greedy return exists and estimates differ somewhere."""
+    """Return whether a greedy return exists and estimates differ."""
     if snapshot.results.greedy_return is None:  # then the curve says nothing about the greedy policy
         return False
     space, q = snapshot.world.space, snapshot.agent.q
@@ -337,7 +363,6 @@ def is_decided(snapshot: Snapshot) -> bool:
 
 
 def _barren(snapshot: Snapshot) -> bool:
-    """Return whether many episodes had no reward at all."""
     curve, mdp = snapshot.results.curve, snapshot.world.mdp
     if mdp is None or not len(curve.episode):
         return False

@@ -1,4 +1,4 @@
-"""The moving mean that the curve draws, and that its labels name."""
+"""The moving mean that the curve draws."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ class MovingMean:
         return float(self.end[-1])
 
     def at(self, episode: FloatArray) -> FloatArray:
-        """Return the means after ``episode`` episodes, which are whole numbers ≥ 1."""
+        """Return the means after ``episode`` episodes, whole numbers ≥ 1."""
         since = np.maximum(episode - self.window, 0.0)
         sums = np.interp(episode, self.end, self.total) - np.interp(since, self.end, self.total)
         return np.asarray(sums / (episode - since))
 
     @property
     def means(self) -> FloatArray:
-        """The means at the end of each bin, [B]."""
+        """The means at each bin's end, [B]."""
         return self.at(self.end[1:])
 
     @property
@@ -55,16 +55,16 @@ class MovingMean:
         return float(self.means[-1]) if is_other else last_100
 
 
-def moving_mean(ends: IntArray, mean: FloatArray, window: int) -> MovingMean:
-    """Return the moving mean of ``mean``, [B], with the last episode of each bin, [B]."""
+def moving_mean(ends: IntArray | FloatArray, mean: FloatArray, window: int) -> MovingMean:
+    """Compute the moving mean of ``mean``, [B], of bins up to ``ends``, [B]."""
     total = np.concatenate(([0.0], np.cumsum(mean * np.diff(ends, prepend=0))))
     return MovingMean(np.concatenate(([0.0], ends)), total, window)
 
 
 def window_of(curves: Sequence[Curve], right: float, *, is_compared: bool) -> int:
-    """Return the window of all ``curves``: at least a bin, else 1/20 of the axis and at most 100 episodes.
+    """Return the common window: at least a bin, else 1/20 of the axis and at most 100 episodes.
 
-    ``is_compared``: always 100 episodes, as in the numbers beside other runs or seeds.
+    ``is_compared``: always 100, as in the numbers beside other runs or seeds.
     """
     window = RECENT if is_compared else int(min(RECENT, max(_LEAST_WINDOW, right // _WINDOWS)))
     return max(window, *(int(each.episode[0]) for each in curves if len(each.episode)), 0)

@@ -1,4 +1,4 @@
-"""Texts of the curve: titles, labels and notes."""
+"""Titles, labels and notes of the curve."""
 
 from __future__ import annotations
 
@@ -31,6 +31,8 @@ from rl_tui.screen.theme.look import Look
 RETURN: Final = "Return"
 REWARD: Final = "Reward"
 STEPS: Final = "Steps"
+ERROR: Final = "Error"
+RMS: Final = "RMS of V"
 SWEEPS: Final = "Greedy return"
 TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}  # by the unit of the horizontal axis
 MEAN: Final = "mean"
@@ -63,7 +65,8 @@ NOTHING_YET: Final = {
     "pull": ("no arm was pulled:", "space: run · s: pull"),
     "episode": ("no episode has ended:", "space: run · e: episode"),
 }
-"""What to do before the first episode, pull or sweep has ended."""
+NOTHING_EVER: Final = ("no episode ended:", "your program has ended")
+PREDICT: Final = "enter: predict first"
 NOTHING_LEARNED: Final = "nothing learned"
 NO_REWARD: Final = "no reward yet"
 CUT_OFF: Final = "all stop at the limit:"
@@ -83,7 +86,7 @@ _LEAST_FIXED: Final = 2e-4  # length of an axis whose numbers have no exponents
 
 @dataclass(frozen=True, slots=True)
 class LineLabel:
-    """A label right of the plot, in the row of ``value`` (−∞: any)."""
+    """A label in the row of ``value`` (−∞: any)."""
 
     text: str
     value: float
@@ -92,19 +95,19 @@ class LineLabel:
 
 
 def decimals_for(extent: float) -> int:
-    """Return the decimals that distinguish values on an axis. Over 5 mean exponents."""
+    """Return decimals that distinguish values. Over 5 mean exponents."""
     extent = max(extent, numbers.NEGLIGIBLE)
     decimals = max(0, 2 - math.floor(math.log10(extent)))
     return min(_MOST_DECIMALS, decimals) if extent >= _LEAST_FIXED else decimals
 
 
 def decimals_of_labels(scale: Scale) -> int:
-    """Return the decimals of labels, enough for two digits."""
+    """Return decimals for two significant digits."""
     return decimals_for(_TWO_DIGITS * (scale.high - scale.low))
 
 
 def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
-    """Return ``x`` in short, if possible in ``width`` cells: ``.73``, ``−12``, ``<.01``."""
+    """Write ``x`` in short: ``.73``, ``−12``, ``<.01``."""
     if abs(x) < numbers.NEGLIGIBLE:
         return "0"
     if decimals > _MOST_DECIMALS:
@@ -118,7 +121,7 @@ def amount(x: float, decimals: int, glyphs: Glyphs, width: int = NUMBER) -> str:
 
 
 def no_end(ends: float) -> str:
-    """Return the text for a policy that ends with this chance."""
+    """Describe a policy that ends with this chance."""
     return f"{numbers.percent(ends)} end" if ends > 0.0 else NO_END
 
 
@@ -130,14 +133,18 @@ def label_gap(columns: int) -> int:
 def labels(
     data: CurveData, look: Look, decimals: int, columns: int, *, greedy: bool = True, mean: bool = True
 ) -> list[LineLabel]:
-    """Return the labels that fit ``columns``, most important first."""
+    """Return the fitting labels, most important first."""
     if not columns:
         return []
     palette, gap = look.palette, label_gap(columns)
     room = columns - gap
     named: list[tuple[str, float | None, Style]] = [
         (GREEDY, data.greedy_now if greedy else None, palette.greedy_line),
-        (AGENT, data.mean_now if mean and data.unit != "sweep" else None, palette.episodes),
+        (
+            ERROR.lower() if data.is_of_errors else AGENT,
+            data.mean_now if mean and data.unit != "sweep" else None,
+            palette.episodes,
+        ),
         (BEST_ARM[columns < _ROOM_FOR_GAP] if data.is_bandit else OPTIMAL, data.optimum, palette.dim),
     ]
     if data.studied is not None:
@@ -167,6 +174,8 @@ def _in_room(name: str, number: str, room: int) -> str:
 
 def heads(data: CurveData, *, has_band: bool) -> tuple[str, ...]:
     """Return titles with captions, longest first."""
+    if data.is_of_errors:
+        return f"{ERROR} · {RMS} over all states", f"{ERROR} · {RMS}", ERROR
     title = STEPS if data.is_of_steps else TITLES[data.unit]
     if data.unit == "sweep":
         return f"{title} · {AFTER_SWEEP}", title
@@ -178,10 +187,10 @@ def heads(data: CurveData, *, has_band: bool) -> tuple[str, ...]:
 def remark(
     snapshot: Snapshot, data: CurveData, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
 ) -> tuple[str, ...]:
-    """Return forms of the note on exploring or hidden values."""
+    """Return a note on exploring or hidden values."""
     if data.hides_optimum and not data.has_key:
         return KEPT_BACK
-    if data.is_of_steps:
+    if data.is_of_steps or data.is_of_errors:
         return ()
     if data.hides_optimum:
         return HIDDEN_ARMS if data.is_bandit else HIDDEN_OPTIMUM
@@ -221,7 +230,7 @@ def _is_seen(x: float, decimals: int) -> bool:
 
 
 def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Return a note on the marks of values below the axis, with how low the greedy line goes."""
+    """Describe the marks below the axis."""
     if not data.furthest or not any(plot.below(line).any() for line in data.lines):
         return ()
     greedy = data.lines[0]
@@ -232,7 +241,7 @@ def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tu
 
 
 def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
-    """Return forms of the reason for gaps in the greedy line."""
+    """Return why the greedy line has gaps."""
     later = Steps(*(each[1:] for each in data.lines[0]))  # a gap before any learning needs no note
     if not data.furthest or not np.isnan(later.low[:-1]).any() or not plot.has_gap(later):
         return ()
@@ -240,10 +249,7 @@ def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
 
 
 def _has_learned(data: CurveData) -> bool:
-    """Return whether the gap comes from exploring, not from incomplete learning.
-
-    The greedy policy then has not only ties, and stays within a third of the optimum.
-    """
+    """Return whether exploring causes the gap: greedy is near the optimum, not all ties."""
     if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
         return False
     if data.finished - data.world_since < RECENT:
@@ -253,8 +259,16 @@ def _has_learned(data: CurveData) -> bool:
     return data.greedy_now >= least and bool((recent >= least).all())
 
 
+def nothing_yet(data: CurveData) -> tuple[str, str]:
+    """Return what is missing before the first episode, pull or sweep has ended, and the key that helps."""
+    if data.is_over:
+        return NOTHING_EVER
+    what, keys = NOTHING_YET[data.unit]
+    return what, PREDICT if data.waits_for_prediction else keys
+
+
 def barren_words(data: CurveData, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return why the curve says little."""
+    """Explain why the curve says little."""
     if data.unlearned:
         return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; t y explains why"
     if data.barren:
@@ -290,7 +304,7 @@ _FORMS: Final = (
 
 
 def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> list[LineLabel]:
-    """Return labels that fit ``columns``: shown run, other runs, rest."""
+    """Return fitting labels, the shown run first."""
     names = [lane.name for lane in data.lanes]
     form = next((each for each in _FORMS if _columns(names, look, each) <= columns), None)
     if form is None:
@@ -308,7 +322,7 @@ def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> lis
 
 
 def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
-    """Return the columns, out of ``room``, for labels with ``names``."""
+    """Return the columns for labels."""
     if room < _ROOM_FOR_NAMES:
         return 0
     widths = [_columns(names, look, form) for form in _FORMS]
@@ -316,7 +330,7 @@ def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
 
 
 def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[str, ...]:
-    """Return titles that name the shown run, longest first."""
+    """Return titles that name the shown run."""
     shown, title = next(lane for lane in data.lanes if lane.shown), usual[-1]
     short = f"{len(data.lanes)} runs, {glyphs.cursor}{shown.number}"
     named = f"{short} {shown.name}"
@@ -325,7 +339,7 @@ def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[s
 
 
 def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tuple[str, ...]:
-    """Return forms of a note on the numbers in labels."""
+    """Return a note on the labels' numbers."""
     if not data.furthest:
         return ()
     if data.seeds:
@@ -341,7 +355,7 @@ def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tu
 
 
 def steps_note(data: CurveData) -> tuple[str, ...]:
-    """Return forms of why episode counts differ between runs."""
+    """Return why episode counts differ between runs."""
     if len({lane.finished for lane in data.lanes if not lane.is_exact}) < 2:
         return ()
     return EQUAL_STEPS
@@ -393,7 +407,7 @@ _LABELS: Final = ((60, 15), (36, 13))  # least width, and columns of the labels 
 
 
 class PlotColumns(NamedTuple):
-    """The plot from column ``left`` on, then ``labels`` columns."""
+    """The plot from column ``left`` on, then labels."""
 
     left: int
     columns: int
@@ -401,7 +415,7 @@ class PlotColumns(NamedTuple):
 
 
 def plot_columns(snapshot: Snapshot, look: Look, width: int) -> PlotColumns:
-    """Return the columns of a plot. They do not change during a run."""
+    """Divide the columns, which stay during a run."""
     left = LEFT if width >= 2 * LEFT else 0
     lanes = snapshot.run_group.lanes
     labels = next((columns for least, columns in _LABELS if width >= least), 0)

@@ -1,4 +1,4 @@
-"""A chain of states as a row of boxes."""
+"""A chain of states in boxes."""
 
 from __future__ import annotations
 
@@ -41,19 +41,18 @@ _EXACT: Final = "exact"
 
 
 def chain_rows(states: int, width: int) -> int:
-    """Return the rows of a chain, with agent and exact values."""
+    """Return a chain's rows with agent and exact values."""
     return _box_size(width // states)[1] + _AROUND
 
 
 def _box_size(step: int) -> tuple[int, int]:
-    """Return columns and rows of a box, from the distance of boxes."""
     wide = min(_MOST_WIDTH, step - max(1, step // _PARTS))
     return wide, max(_LEAST_HEIGHT, 2 * wide // 3 | 1)
 
 
 @lru_cache(maxsize=32)
 def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout | None:
-    """Return the layout of ``chain``, or None if it does not fit."""
+    """Lay out ``chain`` if it fits."""
     step = width // len(chain)
     if step < _LEAST_STEP or height < 1:
         return None
@@ -69,7 +68,7 @@ def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout
 
 
 def end_rewards(mdp: TabularMDP) -> Mapping[int, float | None]:
-    """Return the reward of entering each terminal state, None if not unique."""
+    """Return each terminal state's reward, if unique."""
     ends = np.flatnonzero(np.diff(mdp.first_pair) == 0)
     rewards = {int(end): np.unique(mdp.reward[mdp.next_state == end]) for end in ends}
     return {end: float(own[0]) if len(own) == 1 else None for end, own in rewards.items()}
@@ -89,7 +88,7 @@ def exact_v(space: FiniteSpace, snapshot: Snapshot) -> tuple[float, ...] | None:
 
 @dataclass
 class ChainPicture:
-    """Draws the ``boxes`` of a chain on a ``canvas``."""
+    """Draws a chain."""
 
     canvas: Canvas
     shape: GraphShape
@@ -138,7 +137,6 @@ class ChainPicture:
             self.canvas.put(box.x, y, " " * box.width, style)
 
     def _put(self, box: Box, row: int, text: str, style: Style) -> bool:
-        """Centre ``text`` in a row of ``box`` if it fits. Return whether it does."""
         if fits := 0 < len(text) <= box.width and row < box.height:
             self.canvas.put(box.x, box.y + row, centred(text, box.width), style)
         return fits
@@ -215,9 +213,10 @@ class ChainPicture:
     def _put_marks(self, state: int, box: Box) -> None:
         scene, glyphs, palette = self.scene, self.look.glyphs, self.look.palette
         right, last = box.x + box.width - 1, box.y + box.height - 1
-        pairs = self.shape.pairs_of(state)
-        if self.last is not None and self.last.updated_pair in pairs and box.width >= 3:
-            colour = palette.error(self.last.error_sign)
+        is_next, last_step = state in scene.signs.next_states, None if scene.signs.subject else self.last
+        is_updated = last_step is not None and last_step.updated_pair in self.shape.pairs_of(state)
+        if (is_next or is_updated) and box.width >= 3:
+            colour = palette.source_line if last_step is None else palette.error(last_step.error_sign)
             if not glyphs.braille:
                 low = last - int(box.height >= 5)
                 self.canvas.restyle(box.x, low, box.width, Style(reverse=True))

@@ -1,4 +1,4 @@
-"""The World panel of an MDP: a graph, a chain, or a list of edges."""
+"""The World panel of an MDP."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.world_editor import EditorView
-from rl_tui.screen.draw.block_signs import block_numbers
+from rl_tui.screen.draw.block_signs import block_number
 from rl_tui.screen.draw.canvas import Canvas, centred, shortened
 from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.to_ascii import to_ascii
@@ -23,12 +23,13 @@ from rl_tui.screen.panels.graph.chain import ChainPicture, chain_layout, end_rew
 from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
 from rl_tui.screen.panels.graph.routing import Box
 from rl_tui.screen.panels.graph.shape import (
+    END,
+    EdgeList,
     GraphAction,
     GraphScene,
     GraphShape,
     Node,
     Signs,
-    draw_edge_list,
     graph_action,
     graph_shape,
     on_grid,
@@ -46,7 +47,7 @@ from rl_tui.worlds.world import Prospect, World
 
 
 def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) -> GraphShape | None:
-    """Return the shape of the draft, or None without visible changes.
+    """Return the draft's shape if it visibly differs.
 
     States of ``world`` keep their numbers.
     """
@@ -115,9 +116,8 @@ def _reward(entry: Mapping[str, Any], target: str) -> float:
 
 
 VALUE_WIDTH: Final = 6
-_LEAST_BLOCK: Final = 7  # rows of a box with a block number: one more row shows the exact value
+_LEAST_BLOCK: Final = (13, 6)  # columns inside and rows of a box with a block number of four characters
 HEADING: Final = f"{TITLE} · bold ="
-END: Final = "end"  # value of a terminal state
 THIN: Final = 1
 BOLD: Final = 2
 
@@ -127,22 +127,21 @@ _ROUNDED: Final = {"┌": "╭", "┐": "╮", "└": "╰", "┘": "╯"}
 
 
 class GraphView(WorldView):
-    """A graph, or a scrolling list of its edges if it does not fit."""
+    """A graph, or else a list of edges."""
 
     _top = 0
     _layout: GraphLayout | None = None
     _height = 1
-    _is_draft = False  # whether the shape belongs to a draft
+    _is_draft = False
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
         """Switch to ``world``.
 
         Raises:
-            TypeError: The drawing is not a graph, or its outcomes are unknown.
-
+            TypeError: It is not a graph, or its outcomes are unknown.
         """
         if not isinstance(world.drawing, Graph) or (world.mdp is None and not world.prospects):
-            raise TypeError("a GraphView draws worlds whose outcomes are known and whose drawing is a Graph")
+            raise TypeError("a GraphView needs a world with known outcomes and a Graph as its drawing")
         super().enter(world, goes_on=goes_on)
         self._graph, chain = world.drawing, world.drawing.chain
         if chain:
@@ -152,13 +151,13 @@ class GraphView(WorldView):
         self._take_shape(is_kept=False)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``. Number formats stay the same during a run."""
+        """Draw ``snapshot`` in the run's number formats."""
         if self.begins_anew(snapshot):
             self.number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the graph, or the list of edges."""
+        """Draw the graph or the list."""
         is_kept = keeps_back(snapshot, "model")
         editor = snapshot.editor
         assert isinstance(self.world.drawing, Graph)
@@ -175,34 +174,39 @@ class GraphView(WorldView):
         new = (None if each.terminal else math.nan for each in self._shape.nodes[len(values.value) :])
         values = replace(values, value=(*values.value, *new))
         chain = () if self._is_draft else self._graph.chain
+        bundled = self._shape.bundled()
         layout = chain_layout(chain, width, height) if chain else None
-        form = values.number_form(
-            min(VALUE_WIDTH, layout.boxes[0].width) if layout else VALUE_WIDTH, self.number_forms
-        )
+        self._layout, self.footing = layout or graph_layout(bundled, width, height), ""
+        if layout is not None:
+            room = layout.boxes[0].width
+        else:
+            room = block_room(self._layout, self.look) if self._layout is not None else 0
+        form = values.number_form(min(VALUE_WIDTH, room or VALUE_WIDTH), self.number_forms)
         stops = snapshot.playback.breakpoints
-        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
+        about = self.subject, self.subject_next
+        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor, *about)
         scene, canvas = GraphScene(values, form, signs), Canvas(width, height, self.look.palette.text)
         exact = exact_v(self.world.space, snapshot)
-        bundled = self._shape.bundled()
-        self._layout, self.footing = layout or graph_layout(bundled, width, height), ""
         if layout is not None:
             last = followed_step(snapshot)
             ChainPicture(canvas, self._shape, layout.boxes, scene, self.look, self._ends, exact, last).draw()
         elif self._layout is not None:
             draw_graph(canvas, bundled, self._layout, scene, exact, self.look)
         else:
-            rows = len(self._shape.actions)
+            self._list = EdgeList(self._shape, width)
+            rows = len(self._list.lines)
             self._height, self._top = height, max(0, min(self._top, rows - height))
             self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
-            draw_edge_list(canvas, self._shape, scene, self.look, self._top)
+            self._list.draw(canvas, scene, self.look, self._top)
         return canvas.strips()
 
     def _take_shape(self, *, is_kept: bool) -> None:
         self._shape_of, self._is_draft = (self.look.glyphs, is_kept), False
         self._shape = graph_shape(self.world, self._graph, self.look.glyphs, is_kept=is_kept)
+        self._list = EdgeList(self._shape, 0)
 
     def signs(self) -> Legend:
-        """Return the signs of states and edges."""
+        """List the signs of states and edges."""
         palette, greedy = self.look.palette, self.policy_shown
         if self._is_draft or not self._graph.chain:
             policy: Legend = (LegendSign("bold", greedy, palette.best),)
@@ -219,7 +223,7 @@ class GraphView(WorldView):
         )
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the nearest state in that direction, else ``place``."""
+        """Return the nearest state that way."""
         if self._layout is None:
             listed = sorted(
                 {action.source for action in self._shape.actions if self._has(action.source)} | {place}
@@ -239,15 +243,15 @@ class GraphView(WorldView):
             boxes = enumerate(self._layout.boxes)
             places = (state for state, box in boxes if (x, y) in set(box.cells()))
         else:
-            places = (action.source for action in self._shape.actions[self._top + y :][:1])
+            places = (line.state for line in self._list.lines[self._top + y :][:1])
         return next(filter(self._has, places), None)
 
     def _has(self, place: int) -> bool:
         return place < self.world.space.states
 
     def keep_in_view(self, place: int) -> None:
-        """Scroll the list to the edges of a state."""
-        lines = [line for line, action in enumerate(self._shape.actions) if action.source == place]
+        """Scroll to the edges of a state."""
+        lines = [number for number, line in enumerate(self._list.lines) if line.state == place]
         if lines:
             self._top = scrolled_to(scrolled_to(self._top, lines[-1], self._height), lines[0], self._height)
 
@@ -257,18 +261,25 @@ class GraphView(WorldView):
         return self.cursor, self._top
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of the graph ``twin``."""
+        """Take the stance of ``twin``."""
         super().align_with(twin)
         if isinstance(twin, GraphView):
             self._top = twin._top if self.takes_stance_of(twin) else self._top
 
     def pan(self, rows: int, columns: int) -> None:
-        """Scroll the list of edges."""
+        """Scroll the list."""
         self._top += rows
 
     def follow(self) -> None:
-        """Go back to the first edge."""
+        """Scroll to the first edge."""
         self._top = 0
+
+
+def block_room(layout: GraphLayout, look: Look) -> int:
+    """Return the length of block numbers, or 0."""
+    width, height = min(box.width for box in layout.boxes) - 2, layout.boxes[0].height
+    has_blocks = width >= _LEAST_BLOCK[0] and height >= _LEAST_BLOCK[1] and look.glyphs.braille
+    return (width + 3) // 4 if has_blocks else 0
 
 
 def draw_graph(
@@ -279,21 +290,21 @@ def draw_graph(
     exact: Sequence[float] | None,
     look: Look,
 ) -> None:
-    """Draw ``layout`` with values, actions, agent, cursor and breakpoints."""
+    """Draw ``layout`` and ``scene``."""
     (values, form, signs), palette, glyphs = scene, look.palette, look.glyphs
     texts = [values.text(state, form, look) for state in range(len(shape.nodes))]
-    has_blocks = layout.boxes[0].height >= _LEAST_BLOCK and look.glyphs.braille
-    width_inside = min(box.width for box in layout.boxes) - 2
-    numbers = block_numbers(filter(None, texts), width_inside) if has_blocks else {}
+    has_blocks = block_room(layout, look) > 0
     for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
         below = ""
-        if exact is not None and box.height > _LEAST_BLOCK and not node.terminal and state < len(exact):
+        has_exact = has_blocks and box.height > _LEAST_BLOCK[1] and not node.terminal
+        if has_exact and exact is not None and state < len(exact):
             below = f"exact {form.text(exact[state], look.glyphs)}"
-        text = texts[state] or END
-        value = (*numbers.get(text, (text,)), *filter(None, [below]))
+        number = _digits(texts[state], box.width - 2) if has_blocks else ()
+        value = (*(number or (texts[state] or END,)), *filter(None, [below]))
         _draw_box(canvas, box, node, value, state, scene, look)
     greedy, stops = shape.marked(values.greedy), shape.marked(signs.breakpoints.pairs)
-    _draw_lines(canvas, layout, greedy, signs.agent, look)
+    about = shape.marked(set(signs.subject))
+    _draw_lines(canvas, layout, greedy, signs, look)
     for fork in layout.forks:
         canvas.put(fork.x, fork.y, glyphs.estimate, _edge_style(fork.pair in greedy, look))
     heads = (glyphs.head_up, glyphs.head_right, glyphs.head_down, glyphs.head_left)
@@ -303,6 +314,8 @@ def draw_graph(
         style = palette.best if label.pair in greedy else palette.text
         if label.pair in stops:
             style = palette.breakpoint
+        if label.pair in about:
+            style = palette.you
         canvas.put(label.x, label.y, label.text, style)
     for state, box in enumerate(layout.boxes):
         if state in signs.breakpoints.states:
@@ -310,6 +323,12 @@ def draw_graph(
         edits = marks_of(signs.editor, state).signs(look)
         for y, mark in zip((box.y, box.y + box.height - 1), edits, strict=False):
             canvas.put(box.x, y, *mark)
+
+
+def _digits(text: str, width: int) -> tuple[str, ...]:
+    forms = ((text, width - 2), (text.removesuffix(".0"), width - 2), (text, width))
+    drawn = ((block_number(form), room) for form, room in forms)
+    return next((rows for rows, room in drawn if rows and len(rows[0]) <= room), ())
 
 
 def _draw_box(
@@ -321,7 +340,7 @@ def _draw_box(
         horizontal, vertical, *corners = tuple(glyphs.double_box)
     else:
         horizontal, vertical, *corners = glyphs.thin, glyphs.thin_vertical, *glyphs.round_corners
-    border = _border_style(agent, look)
+    border = _border_style(state, signs, look)
     inner, last = box.width - 2, box.y + box.height - 1
     canvas.put(box.x, box.y, corners[0] + horizontal * inner + corners[1], border)
     canvas.put(box.x, last, corners[2] + horizontal * inner + corners[3], border)
@@ -354,15 +373,17 @@ def _draw_box(
         canvas.put(box.x, box.y, flag, border)
 
 
-def _border_style(agent: bool, look: Look) -> Style:
-    return look.palette.strong if agent else look.palette.text
+def _border_style(state: int, signs: Signs, look: Look) -> Style:
+    if state in signs.next_states:
+        return look.palette.source_line
+    return look.palette.strong if state == signs.agent else look.palette.text
 
 
 def _edge_style(greedy: bool, look: Look) -> Style:
     return look.palette.best if greedy else look.palette.dim
 
 
-def _draw_lines(canvas: Canvas, layout: GraphLayout, greedy: Set[int], agent: int, look: Look) -> None:
+def _draw_lines(canvas: Canvas, layout: GraphLayout, greedy: Set[int], signs: Signs, look: Look) -> None:
     arms: dict[tuple[int, int], StrokeArms] = {}
     styles: dict[tuple[int, int], Style] = {}
     for stroke in sorted(layout.strokes, key=lambda each: each.pair in greedy):
@@ -376,13 +397,13 @@ def _draw_lines(canvas: Canvas, layout: GraphLayout, greedy: Set[int], agent: in
             on_side = cell[0] in (box.x, box.x + box.width - 1)
             border = StrokeArms(up=THIN, down=THIN) if on_side else StrokeArms(right=THIN, left=THIN)
             arms[cell] = arms[cell].joined(border)
-            styles[cell] = _border_style(state == agent, look)
+            styles[cell] = _border_style(state, signs, look)
     for (x, y), each in arms.items():
         canvas.put(x, y, joint(each, look.glyphs), styles[x, y])
 
 
 class StrokeArms(NamedTuple):
-    """Weights of the lines that leave a cell: 0, THIN or BOLD."""
+    """Weights of the lines from a cell: 0, THIN or BOLD."""
 
     up: int = 0
     right: int = 0
@@ -390,12 +411,12 @@ class StrokeArms(NamedTuple):
     left: int = 0
 
     def joined(self, other: StrokeArms) -> StrokeArms:
-        """Return both lines combined in one cell."""
+        """Combine two lines in one cell."""
         return StrokeArms(*(max(mine, its) for mine, its in zip(self, other, strict=True)))
 
 
 def joint(arms: StrokeArms, glyphs: Glyphs) -> str:
-    """Return the character for ``arms``, with thin corners rounded."""
+    """Return the character for ``arms``."""
     if glyphs.name == "ascii":
         return _ascii(arms, glyphs)
     character = _JOINTS[arms.up + 3 * arms.right + 9 * arms.down + 27 * arms.left]

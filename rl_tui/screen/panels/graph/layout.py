@@ -1,7 +1,4 @@
-"""The layout of a graph for one panel size.
-
-Several arrangements are tried. The best label places win.
-"""
+"""The layout of a graph for one panel size: the arrangement with the best places for labels."""
 
 from __future__ import annotations
 
@@ -44,9 +41,9 @@ from rl_tui.screen.panels.graph.shape import GraphAction, GraphBranch, GraphShap
 _BOX_HEIGHTS: Final = (4, 5, 6)  # borders, name, value: taller boxes have more ports at the sides
 _LEAST_INNER: Final = 6  # a value, or a mark before a name of five letters
 _MOST_INNER: Final = 16
-_ROOMY: Final = (4, 2, 0)  # additional characters inside if they fit
-_TALLEST: Final = 9  # rows of the tallest box: the next line has the widest inside
-_WIDEST: Final = 19
+_ROOMY: Final = (4, 2, 1, 0)  # additional characters inside if they fit
+_TALLEST: Final = 11  # rows of the tallest box
+_WIDEST: Final = 23  # columns inside the widest box
 _LEAST_GAP: Final = 4  # an edge with a fork and a head
 _MOST_GAP: Final = 20
 _LEAST_ROWS: Final = 1
@@ -56,13 +53,13 @@ Places = tuple[Box, ...]
 
 
 def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
-    """Yield arrangements of the boxes, promising ones first."""
+    """Yield arrangements, promising ones first."""
     columns = 1 + max(node.column for node in shape.nodes)
     rows = 1 + max(node.row for node in shape.nodes)
     lines = [_lines_between(shape, row) for row in range(rows - 1)]
     across, wants = _wants(shape, columns)
     lefts = [max(0, wants[0] - less) for less in (0, 1, 2)] + [0]
-    grown = _height(shape, height), min(_WIDEST, width // columns // 2 - 2)
+    grown = _height(shape, width, height), _inner(shape, width)
     choices = product(
         enumerate(dict.fromkeys((grown[0], *_BOX_HEIGHTS))),
         enumerate(_box_widths(shape, columns, grown[1])),
@@ -85,13 +82,19 @@ def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
         )
 
 
-def _height(shape: GraphShape, height: int) -> int:
+def _inner(shape: GraphShape, width: int) -> int:
+    columns = 1 + max(node.column for node in shape.nodes)
+    return min(_WIDEST, 2 * width // (3 * columns) - 2)
+
+
+def _height(shape: GraphShape, width: int, height: int) -> int:
     rows = 1 + max(node.row for node in shape.nodes)
-    return max(_BOX_HEIGHTS[0], min(_TALLEST, height // rows // 2))
+    between = sum(1 + _lines_between(shape, row) for row in range(rows))
+    most = min(_TALLEST, 1 + _inner(shape, width) // 2)
+    return max(_BOX_HEIGHTS[0], min(most, (height - between) // rows))
 
 
 def _box_widths(shape: GraphShape, columns: int, grown: int) -> Iterator[list[int]]:
-    """Yield widths of the box columns, widest first."""
     names = [
         max((cell_len(node.name) for node in shape.nodes if node.column == column), default=0)
         for column in range(columns)
@@ -107,10 +110,7 @@ def _box_widths(shape: GraphShape, columns: int, grown: int) -> Iterator[list[in
 def _lefts(
     box_widths: Sequence[int], width: int, across: Sequence[bool], wants: Sequence[int]
 ) -> list[int] | None:
-    """Return the first column of each column of boxes, or None.
-
-    Margins and gaps grow to their wanted width first.
-    """
+    """Return each column's left edge. Margins and gaps grow to their wanted width first."""
     least = [_LEAST_GAP if crossed else 2 for crossed in across]
     room = [float(each) for each in (wants[0], *least, wants[-1])]
     free = width - sum(box_widths) - sum(room)
@@ -161,7 +161,6 @@ def _lines_between(shape: GraphShape, row: int) -> int:
 
 
 def _wants(shape: GraphShape, columns: int) -> tuple[list[bool], list[int]]:
-    """Return which gaps edges cross, and wanted widths of margins and gaps."""
     across = [False] * (columns - 1)
     wants = [0] * (columns + 1)
     for action in shape.actions:
@@ -192,7 +191,7 @@ _GOOD_ENOUGH: Final = 1.2  # cost per label at which the search stops
 _WORK: Final = 60  # actions × arrangements to try for a better layout
 _MOST_WORK: Final = 240  # the same for a first layout
 _MOST_ACTIONS: Final = 20  # more lines cannot be followed by eye
-_NARROWNESS: Final = 10.0  # divided by the box width: acceptable extra cost of labels for wider boxes
+_NARROWNESS: Final = 20.0  # divided by the box width: acceptable extra cost of labels for wider boxes
 _HEIGHT: Final = 0.3  # cost per row of difference from the wanted box height
 _SECOND_PORT: Final = 1.0
 _BY_A_TAKEN_PORT: Final = 5.0
@@ -201,7 +200,7 @@ _LOOP_WIDTH: Final = 4  # of a loop above or below a box
 
 
 class Stroke(NamedTuple):
-    """One cell of a line, with the directions in which it leaves."""
+    """A line's cell, with the directions in which it leaves."""
 
     pair: int
     x: int
@@ -228,7 +227,7 @@ class Fork(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class GraphLayout:
-    """The fixed parts of a graph. ``boxes`` follow the order of states."""
+    """A graph's fixed parts, ``boxes`` by state."""
 
     boxes: Places
     strokes: tuple[Stroke, ...]
@@ -239,7 +238,7 @@ class GraphLayout:
 
 @lru_cache(maxsize=32)
 def graph_layout(shape: GraphShape, width: int, height: int) -> GraphLayout | None:
-    """Return the best layout found, or None if some part does not fit."""
+    """Return the best layout, or None if some part does not fit."""
     distinct_places = len({(node.column, node.row) for node in shape.nodes})
     if distinct_places < len(shape.nodes) or len(shape.actions) > _MOST_ACTIONS:
         return None
@@ -270,7 +269,6 @@ class _Drawing:
         self._label_cost = self._route_cost = 0.0
 
     def complete(self) -> bool:
-        """Add all lines and labels. Return whether they fit."""
         for action in sorted(self._shape.actions, key=self._length):
             if not self._put_action(action):
                 return False
@@ -279,9 +277,10 @@ class _Drawing:
         return lost == 0
 
     def finished(self) -> tuple[float, GraphLayout]:
-        """Return the layout and its cost."""
         cost = self._label_cost / max(1, len(self._wanted)) + 0.001 * self._route_cost
-        cost += _HEIGHT * abs(self._boxes[0].height - _height(self._shape, self._sheet.height))
+        cost += _HEIGHT * abs(
+            self._boxes[0].height - _height(self._shape, self._sheet.width, self._sheet.height)
+        )
         cost += _NARROWNESS / min(box.width for box in self._boxes)
         layout = GraphLayout(
             self._boxes, tuple(self._strokes), tuple(self._heads), tuple(self._forks), tuple(self._labels)
@@ -289,7 +288,6 @@ class _Drawing:
         return cost, layout
 
     def _length(self, action: GraphAction) -> tuple[bool, float]:
-        """Return a sort key: short edges first, self-loops last."""
         main = self._branches(action)[0]
         source, target = self._shape.nodes[action.source], self._shape.nodes[main.target]
         distance = abs(source.column - target.column) + abs(source.row - target.row)
@@ -376,7 +374,6 @@ class _Drawing:
         return min(loops, key=lambda loop: loop.cost, default=None)
 
     def _ends(self, state: int, centres: dict[int, float]) -> dict[Port, float]:
-        """Return free ports of a box with extra cost. ``centres``: wanted places."""
         box, ends = self._boxes[state], {}
         for side in (UP, RIGHT, DOWN, LEFT):
             for index, cell in enumerate(box.ports(side)):

@@ -1,4 +1,4 @@
-"""An MDP as labelled nodes and edges, and as a list of edges.
+"""An MDP as nodes and edges, drawn or as a list.
 
 Rewards on edges are r(s, a, s′) (Sutton & Barto, 2nd ed., equation 3.6).
 """
@@ -17,6 +17,7 @@ from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.panels.world.shown_policy import StateValues
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -33,7 +34,7 @@ _LEAST_BUNDLE: Final = 3  # edges
 
 
 class Node(NamedTuple):
-    """A state: name, place, and whether it is terminal."""
+    """A state."""
 
     name: str
     column: int
@@ -42,7 +43,7 @@ class Node(NamedTuple):
 
 
 class GraphBranch(NamedTuple):
-    """One outcome of an action. An unknown ``probability`` is None."""
+    """One outcome. An unknown ``probability`` is None."""
 
     target: int
     probability: float | None
@@ -50,7 +51,7 @@ class GraphBranch(NamedTuple):
 
 
 class GraphAction(NamedTuple):
-    """One pair, with a branch per next state, likeliest first. A bundle has more ``pairs``."""
+    """One pair, its branches likeliest first. A bundle has more ``pairs``."""
 
     pair: int
     source: int
@@ -72,7 +73,7 @@ class GraphShape:
         return {action.pair for action in self.actions if action.source == state}
 
     def bundled(self) -> GraphShape:
-        """Return the shape with one action for all of a state that differ only by name."""
+        """Join actions that differ only by name."""
         bundles: dict[tuple[int, tuple[GraphBranch, ...], str], list[GraphAction]] = {}
         for action in self.actions:
             rewards = action.label.removeprefix(action.name)
@@ -87,7 +88,7 @@ class GraphShape:
         return replace(self, actions=tuple(actions))
 
     def marked(self, pairs: Set[int]) -> frozenset[int]:
-        """Return the actions, by their first pair, that are or contain one of ``pairs``."""
+        """Return the actions with one of ``pairs``."""
         return frozenset(each.pair for each in self.actions if not pairs.isdisjoint((each.pair, *each.pairs)))
 
 
@@ -99,10 +100,12 @@ class Signs(NamedTuple):
     breakpoints: Breakpoints
     differing: frozenset[int]
     editor: EditorView
+    subject: range = NOWHERE
+    next_states: frozenset[int] = frozenset()
 
 
 class GraphScene(NamedTuple):
-    """The ``values`` of a graph in one ``form``, and its ``signs``."""
+    """The ``values`` and ``signs`` of a graph."""
 
     values: StateValues
     form: NumberForm
@@ -110,7 +113,7 @@ class GraphScene(NamedTuple):
 
 
 def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
-    """Return the shape of ``world``. ``is_kept`` hides probabilities."""
+    """Return the shape. ``is_kept`` hides probabilities."""
     space, mdp = world.space, world.mdp
     places = zip(space.state_names, on_grid(graph.places), strict=True)
     nodes = tuple(
@@ -132,7 +135,7 @@ def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = F
 
 
 def on_grid(places: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return ``places`` without empty columns and rows."""
+    """Drop empty columns and rows."""
     columns = sorted({column for column, _ in places})
     rows = sorted({row for _, row in places})
     return [(columns.index(column), rows.index(row)) for column, row in places]
@@ -154,7 +157,7 @@ def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, 
 def graph_action(
     name: str, state: int, pair: int, prospects: Sequence[Prospect], glyphs: Glyphs
 ) -> GraphAction:
-    """Return an action labelled with rewards and probabilities."""
+    """Label an action with rewards and probabilities."""
     texts = {each.next_state: _rewards_text(each.rewards, glyphs) for each in prospects}
     targets = sorted(prospects, key=lambda each: -(each.probability or _LIKELY))
     if len(set(texts.values())) == 1:
@@ -171,18 +174,17 @@ def graph_action(
 
 
 def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
-    """Return one reward, or the range if it depends on the history: ``0..+10?``."""
     texts = [reward_text(reward, glyphs) for reward in rewards]
     return texts[0] if len(texts) == 1 else f"{texts[0]}..{texts[-1]}{DEPENDS}"
 
 
 def reward_text(reward: float, glyphs: Glyphs) -> str:
-    """Return a reward in three digits with its sign."""
+    """Write three digits and the sign."""
     return f"{reward:+.3g}".replace("-", glyphs.minus) if reward else "0"
 
 
 def probability_text(probability: float) -> str:
-    """Return a probability in two decimals, or more near 0 and 1."""
+    """Write two decimals, near 0 and 1 more."""
     for decimals in (2, 3, 4, 5):
         rounded = round(probability, decimals)
         if 0.0 < rounded < 1.0 and abs(rounded - probability) < 0.02 * min(probability, 1.0 - probability):
@@ -194,43 +196,99 @@ def probability_text(probability: float) -> str:
 
 
 _VALUE_WIDTH: Final = 6
-_LEAST_TEXT: Final = 20  # characters of an edge: narrower panels omit names and values
+END: Final = "end"
+"""The value of a terminal state."""
+_LEAST_TEXT: Final = 20  # characters of an edge: narrower panels omit names, or values below the names
 
 
-def draw_edge_list(canvas: Canvas, shape: GraphShape, scene: GraphScene, look: Look, top: int) -> None:
-    """Draw one line per action from ``top`` on. Narrow panels omit V, then names."""
-    (values, form, signs), width = scene, canvas.width
-    names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
-    with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
-    with_names = width >= names + 2 + _LEAST_TEXT
-    x = 1 + (names + 1) * with_names + (_VALUE_WIDTH + 1) * with_values
-    shown = shape.actions[top : top + canvas.height]
-    for y, action in enumerate(shown):
-        if y == 0 or shown[y - 1].source != action.source:
-            state = action.source
+class ListLine(NamedTuple):
+    """``branches`` of an action, or none. ``row`` counts the state's lines."""
+
+    state: int
+    row: int
+    action: GraphAction | None = None
+    branches: tuple[GraphBranch, ...] = ()
+
+
+class EdgeList:
+    """The edges as text."""
+
+    def __init__(self, shape: GraphShape, width: int) -> None:
+        self._shape, self._width = shape.bundled(), width
+        self._names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
+        self._is_wide = width >= self._names + _VALUE_WIDTH + 3 + _LEAST_TEXT
+        below = max(self._names, _VALUE_WIDTH)
+        self._is_stacked = not self._is_wide and width >= below + 2 + _LEAST_TEXT
+        self._block = self._names if self._is_wide else below
+        self._x = 1 + (self._block + 1) * self._has_names + (_VALUE_WIDTH + 1) * self._is_wide
+        self.lines = [line for state in range(len(shape.nodes)) for line in self._lines_of(state)]
+
+    @property
+    def _has_names(self) -> bool:
+        return self._is_wide or self._is_stacked
+
+    def _lines_of(self, state: int) -> list[ListLine]:
+        actions = [action for action in self._shape.actions if action.source == state]
+        parts: list[tuple[GraphAction | None, tuple[GraphBranch, ...]]] = []
+        for action in actions:
+            is_short = len(self._text(action, action.branches)) <= self._width - self._x
+            parts += (
+                [(action, action.branches)] if is_short else [(action, (each,)) for each in action.branches]
+            )
+        least = 2 if self._is_stacked and actions else int(self._has_names)
+        parts += [(None, ())] * (least - len(parts))
+        return [ListLine(state, row, *part) for row, part in enumerate(parts)]
+
+    def _text(
+        self, action: GraphAction, branches: Sequence[GraphBranch], line: str = "-", head: str = ">"
+    ) -> str:
+        """Return ``─study −2─▶ Pass .8 / Class .2``, closer if too long."""
+        is_first = action.branches[0] in branches
+        label = f"{line}{action.label}" if is_first else " " * (1 + len(action.label))
+        targets = [f"{self._shape.nodes[each.target].name} {each.label}".strip() for each in branches]
+        text = f"{label}{line}{head} {' / '.join(targets)}"
+        return text if len(text) <= self._width - self._x else f"{label}{head}{'/'.join(targets)}"
+
+    def draw(self, canvas: Canvas, scene: GraphScene, look: Look, top: int) -> None:
+        """Draw the lines from ``top`` on."""
+        values, _, signs = scene
+        for y, line in enumerate(self.lines[top : top + canvas.height]):
+            self._draw_state(canvas, y, line, scene, look)
+            if line.action is None:
+                continue
+            greedy = not values.greedy.isdisjoint((line.action.pair, *line.action.pairs))
+            stroke = look.glyphs.bold if greedy else look.glyphs.thin
+            text = self._text(line.action, line.branches, stroke, look.glyphs.head_right)
+            style = look.palette.best if greedy else look.palette.text
+            canvas.put(self._x, y, whole_words(text, self._width - self._x, look), style)
+            if not signs.breakpoints.pairs.isdisjoint((line.action.pair, *line.action.pairs)):
+                canvas.put(self._x, y, look.glyphs.breakpoint, look.palette.breakpoint)
+
+    def _draw_state(self, canvas: Canvas, y: int, line: ListLine, scene: GraphScene, look: Look) -> None:
+        (values, form, signs), state, node = scene, line.state, self._shape.nodes[line.state]
+        is_named, ground = line.row == 0 or y == 0, values.style(state, look)
+        if is_named:
             _put_mark(canvas, y, state, signs, look)
-            if with_names:
-                style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
-                canvas.put(1, y, shape.nodes[state].name, style)
-                flag = values.flag(state, signs.differing, look)
-                style = values.flag_style(state, look.palette.text, look)
-                after = 1 + len(shape.nodes[state].name) + len(flag)
-                canvas.put(after - len(flag), y, flag, style)
-                # one cell is free after the longest name
-                marks = list(marks_of(signs.editor, state).signs(look))[: names + 2 - after]
-                for place, mark in enumerate(marks, start=after):
-                    canvas.put(place, y, *mark)
-            if with_values:
-                text = values.text(state, form, look)
-                canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
-        greedy = action.pair in values.greedy
-        style = look.palette.best if greedy else look.palette.text
-        text = edge_text(shape, action, greedy, look)
-        if len(text) > width - x >= len(tight := edge_text(shape, action, greedy, look, is_tight=True)):
-            text = tight
-        canvas.put(x, y, whole_words(text, width - x, look), style)
-        if action.pair in signs.breakpoints.pairs:
-            canvas.put(x, y, look.glyphs.breakpoint, look.palette.breakpoint)
+        if not self._has_names:
+            return
+        plain = ground if self._is_stacked else look.palette.text
+        if self._is_stacked and line.row < 2:
+            canvas.put(1, y, " " * self._block, ground)
+        if is_named:
+            style = look.palette.focus if state == signs.cursor else plain + Style(bold=True)
+            canvas.put(1, y, node.name, style)
+            flag = values.flag(state, signs.differing, look)
+            after = 1 + len(node.name) + len(flag)
+            canvas.put(after - len(flag), y, flag, values.flag_style(state, look.palette.text, look))
+            # one cell is free after the longest name
+            marks = list(marks_of(signs.editor, state).signs(look))[: self._block + 2 - after]
+            for place, mark in enumerate(marks, start=after):
+                canvas.put(place, y, *mark)
+        text = END if node.terminal else values.text(state, form, look)
+        if node.terminal or (self._is_wide and is_named):
+            canvas.put(self._x - 1 - _VALUE_WIDTH * self._is_wide, y, text.rjust(_VALUE_WIDTH), ground)
+        elif self._is_stacked and line.row == 1 and y:
+            canvas.put(1, y, text, ground)
 
 
 def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> None:
@@ -243,19 +301,8 @@ def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> N
         canvas.put(0, y, look.glyphs.agent, palette.agent)
 
 
-def edge_text(
-    shape: GraphShape, action: GraphAction, greedy: bool, look: Look, *, is_tight: bool = False
-) -> str:
-    """Return ``─study −2─▶ Pass .8 / Class .2``, closer if ``is_tight``."""
-    line = look.glyphs.bold if greedy else look.glyphs.thin
-    targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)
-    if is_tight:
-        return f"{line}{action.label}{look.glyphs.head_right}{'/'.join(targets)}"
-    return f"{line}{action.label}{line}{look.glyphs.head_right} {' / '.join(targets)}"
-
-
 def whole_words(text: str, width: int, look: Look) -> str:
-    """Return ``text`` cut at a word, so that no number loses digits."""
+    """Cut at a word, not in a number."""
     if len(text) <= width:
         return text
     ellipsis = look.glyphs.ellipsis

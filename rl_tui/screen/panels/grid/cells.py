@@ -1,4 +1,4 @@
-"""The look of map cells: sign, number and colour."""
+"""The look of map cells."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from rl_tui.screen.panels.grid.marks import (
     sign_text,
     value_text,
 )
-from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_update, put_way
+from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way, trace_colour
 from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.panels.world.shown_policy import off_way_style
 from rl_tui.screen.theme.look import Look
@@ -52,7 +52,7 @@ _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
 
 
 class Face(NamedTuple):
-    """Everything that decides the look of a cell.
+    """Everything that decides a cell's look.
 
     ``greedy``: empty if all actions are equal or unknown. ``lead``: advantage of the greedy action, up to
     ``_LEADS``. ``differs``: the second run has other greedy actions.
@@ -72,7 +72,7 @@ class Face(NamedTuple):
 
 
 class CellArtist:
-    """Draws cells of one form, equal ones only once."""
+    """Draws equal cells only once."""
 
     def __init__(self, look: Look, form: CellForm) -> None:
         self.look = look
@@ -95,7 +95,7 @@ class CellArtist:
         return strips_of_row([self.drawn(face) for face in faces], width, self.look.palette.text)
 
     def drawn(self, face: Face) -> Drawn:
-        """Return the rows of a cell. Cells with other digits share a cached drawing."""
+        """Return a cell's rows. Other digits share a cached drawing."""
         if not face.text or self.form.has_block_values:
             return self._drawn(face)
         digits, place = _DIGIT * len(face.text), self.form.value_row
@@ -109,17 +109,14 @@ class CellArtist:
         return [*rows[:place], told, *rows[place + 1 :]]
 
     def shown_reward(self, reward: CellReward) -> str:
-        """Return the reward of a cell as displayed."""
+        """Write a cell's reward."""
         # one character in cells of one or two rows
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
     def face(
         self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
     ) -> Face:
-        """Return the look of ``cell``, coloured on ``scale``.
-
-        A small lead relative to ``range_of_v`` makes its greedy action pale.
-        """
+        """Return a cell's look. A small lead relative to ``range_of_v`` makes its greedy action pale."""
         palette, extra = self.look.palette, cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
         if cell.value is None:
@@ -163,8 +160,7 @@ class _Cell:
             self._put_marks()
             self._put_edges()
             self._put_seams()
-        if self.extra.trace.error is not None:
-            self._put_update(self.extra.trace.error, self.extra.trace.share)
+        self._put_trace_frame(trace_colour(self.extra.trace, self.ink, self.look))
         if self.face.cursor and self.form.height > 1:
             self._put_cursor()
         if self.face.agent:
@@ -216,7 +212,6 @@ class _Cell:
         self.canvas.put(0, row, sign * self.form.width, self.ink)
 
     def _put_edges(self) -> None:
-        """Put a wall into the last column of the cell before it, else into the first one after it."""
         form, is_low = self.form, self.form.height == 1
         after = is_low and (form.width <= LEAST_ARROWS or (form.has_values and not form.has_seam))
         if form.width >= LEAST_ARROWS and self.extra.edges[not after]:
@@ -240,10 +235,10 @@ class _Cell:
         if self.glyphs.braille and self.form.width >= 5:
             put_frame(self.canvas, self.look.palette.you, self.look)
 
-    def _put_update(self, error: int, share: float) -> None:
-        if self.glyphs.braille and self.form.width >= 5:
-            put_update(self.canvas, error, share, self.ink, self.look)
-        elif self.form.has_values:
+    def _put_trace_frame(self, colour: Style | None) -> None:
+        if colour is not None and self.glyphs.braille and self.form.width >= 5:
+            put_frame(self.canvas, colour, self.look)
+        elif colour is not None and (self.form.has_values or self.extra.trace.is_next):
             self.canvas.restyle(0, self.form.value_row, self.form.inner, Style(reverse=True))
 
     # Signs and values
@@ -301,10 +296,7 @@ class _Cell:
             self._draw_letters(top + 1)
 
     def _put_blocks(self, free: int, top: int) -> bool:
-        """Put greedy directions side by side from column ``free`` on. Return whether they fit.
-
-        Tips point to neighbours: flat sides would merge.
-        """
+        """Put greedy directions side by side, tips to neighbours: flat sides would merge."""
         form, signs = self.form, self.face.greedy
         directions = sorted((each for each in signs if isinstance(each, tuple)), key=lambda each: -each[1])
         room, most = form.inner - free, 2 * form.arrow_rows
@@ -319,7 +311,6 @@ class _Cell:
         return True
 
     def _agent_end(self, row: int) -> int:
-        """Return the first column of ``row`` to the right of the agent, or 0."""
         if not self.face.agent:
             return 0
         rows = self._plate_rows
@@ -337,22 +328,20 @@ class _Cell:
         left = (form.inner - len(text)) // 2
         if left < self._agent_end(row):
             left = form.inner - len(text)
-        self.canvas.put(max(0, left), row, text, self._sign_ink)
+        ink = self.look.palette.focus if self.extra.has_turned else self._sign_ink  # letters are thin
+        self.canvas.put(max(0, left), row, text, ink)
 
     def _letters(self, most: int, room: int) -> str:
-        """Return several greedy letters in ``most`` characters, one in ``room``."""
         text = "".join(sign_text(each, self.look) for each in self.face.greedy)
         return text if len(text) <= (most if len(self.face.greedy) > 1 else max(1, room)) else SEVERAL
 
     @property
     def _text(self) -> str:
-        """The value, or a sign if it does not fit."""
         text = self.face.text or ""
         return text if len(text) <= self.form.inner else self.glyphs.no_room
 
     @property
     def _value_rows(self) -> tuple[str, ...]:
-        """The value in three rows, else in one, or none."""
         if not (self.form.has_values and self._text):
             return ()
         rows = block_number(self._text) if self.has_blocks and self.form.has_block_values else ()
@@ -374,7 +363,6 @@ class _Cell:
             self._put_letters(start - len(letters), letters)
 
     def _put_letters(self, start: int, letters: str) -> None:
-        """Put letters and their mark. Differing ones are reversed if no corner is free."""
         face, is_dot = self.face, letters == self.glyphs.untried
         before = start - 2 if is_dot or not (letters or face.text is None) else start - 1
         if self._mark or face.stops or any(self.extra.marks) or face.reward:
@@ -392,7 +380,6 @@ class _Cell:
         return mark_of(self.face.kind, self.face.agent, self.extra.way, self.look)
 
     def _put_mark(self, x: int) -> None:
-        """Put the mark of a low cell, else of the last edit, else its reward."""
         palette, canvas, face = self.look.palette, self.canvas, self.face
         edit = next(self.extra.marks.signs(self.look), None)
         if face.stops:
@@ -475,7 +462,6 @@ class _Cell:
         self._put_rows(2, 1, block_sign("agent", 2 * rows, rows), style)
 
     def _take_name(self) -> None:
-        """Choose the place of the name: a corner, the value's, or the arrows'."""
         form, face = self.form, self.face
         if len(self.name) > form.longest_name:
             self.name = ""

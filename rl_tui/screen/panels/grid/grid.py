@@ -1,4 +1,4 @@
-"""The map of a grid world, coloured by V(s), with greedy arrows."""
+"""The map, coloured by V(s), with greedy arrows."""
 
 from __future__ import annotations
 
@@ -24,13 +24,6 @@ from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_m
 from rl_tui.screen.panels.grid.action_values import ActionArtist, draw_grid, name_room
 from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
-from rl_tui.screen.panels.grid.headings import (
-    heading_of_actions,
-    heading_of_values,
-    numbered,
-    shorter,
-    where,
-)
 from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, carried_place, with_extra
 from rl_tui.screen.panels.grid.marks import SEVERAL, clear_lead, sign_text
@@ -39,13 +32,18 @@ from rl_tui.screen.panels.grid.signs import (
     action_signs,
     differing_sign,
     ground_signs,
+    heading_of_actions,
+    heading_of_values,
     letter_signs,
+    numbered,
     place_signs,
     reward_signs,
+    shorter,
+    where,
     wind_line,
     wind_strip,
 )
-from rl_tui.screen.panels.grid.trail import trace_signs, traces
+from rl_tui.screen.panels.grid.trail import Trace, subject_traces, trace_signs, traces
 from rl_tui.screen.panels.margins import NO_MARGINS, LabelledPart, margins_in
 from rl_tui.screen.panels.world.scale_line import NamedScale
 from rl_tui.screen.panels.world.shown_policy import TITLE
@@ -60,10 +58,7 @@ _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 
 
 class GridView(WorldView):
-    """A grid world. Its places are the cells, row by row.
-
-    A large map shows the part around agent or cursor.
-    """
+    """A grid world. Its places are the cells, row by row."""
 
     _part: MapPart | None = None
     _form: CellForm | None = None
@@ -81,7 +76,7 @@ class GridView(WorldView):
     _has_several = _has_greedy = _has_pale = False  # of the last picture
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Switch to ``world``, and follow the agent unless it ``goes_on``."""
+        """Switch to ``world``, following the agent unless it ``goes_on``."""
         assert isinstance(world.drawing, Grid)
         super().enter(world, goes_on=goes_on)
         self._map = GridMap(world.space, world.drawing)
@@ -97,7 +92,7 @@ class GridView(WorldView):
 
     @property
     def cells(self) -> Cells | None:
-        """The visible part, or None if all is visible."""
+        """The visible part, or None for all."""
         part = self._part
         if part is None or self._is_whole:
             return None
@@ -106,27 +101,27 @@ class GridView(WorldView):
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot contains all visible cells."""
+        """True if the snapshot contains all visible cells."""
         return not self.snapshot or not self._part or self._map.holds(self._part, self.snapshot)
 
     @property
     def is_away(self) -> bool:
-        """Whether cursor or view are away from the agent."""
+        """True if cursor or view left the agent."""
         return not self._following or super().is_away
 
     def agent_place(self, snapshot: Snapshot) -> int:
-        """Return the cell of the agent."""
+        """Return the agent's cell."""
         return int(self._map.grid.cell_of_state[snapshot.counters.state])
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the cell that far below and right, within the map."""
+        """Return the cell that far away."""
         grid = self._map.grid
         row, column = divmod(place, grid.columns)
         row, column = max(0, min(row + rows, grid.rows - 1)), max(0, min(column + columns, grid.columns - 1))
         return row * grid.columns + column
 
     def place_at(self, x: int, y: int) -> int | None:
-        """Return the cell at column ``x`` of row ``y``, or None."""
+        """Return the cell here, or None."""
         part, form = self._part, self._form
         if part is None or form is None:
             return None
@@ -136,26 +131,26 @@ class GridView(WorldView):
         return (part.top + row) * self._map.grid.columns + part.left + column
 
     def state_at(self, place: int) -> int | None:
-        """Return the agent's or first state of a cell, or None."""
+        """Return a cell's state, preferably the agent's."""
         return self._map.state_at(place, self.snapshot)
 
     def name_at(self, place: int) -> str:
-        """Return the name of a cell's state, and whether it is never reached."""
+        """Name a cell's state, and whether it is never reached."""
         name = super().name_at(place)
         return f"{name}, never reached" if place in self._map.unreached else name
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int:
-        """Return the place of a cell after an edit. The view follows."""
+        """Return a cell's place after an edit."""
         found, down, right = carried_place(place, before, now)
         self._top, self._left = self._top + down, self._left + right
         return found
 
     def place_in(self, place: int, world: World, other: World) -> int | None:
-        """Return the cell of ``other`` at the same place, or None."""
+        """Return the cell at the same place."""
         return place if are_same_size(world, other) else None
 
     def place_of(self, pair: int) -> int:
-        """Return the cell of the state that has ``pair``."""
+        """Return the cell of the pair's state."""
         return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
 
     @property
@@ -173,12 +168,12 @@ class GridView(WorldView):
 
     @property
     def stance(self) -> object:
-        """The cursor, the visible part and the width of numbers."""
+        """Cursor, visible part and width of numbers."""
         digits = self._digits, self._action_digits
         return self.cursor, self._following, self._top, self._left, digits
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of ``twin``, with the wider numbers."""
+        """Take the twin's stance, and the wider numbers."""
         super().align_with(twin)
         if isinstance(twin, GridView):
             if self.takes_stance_of(twin):
@@ -197,17 +192,23 @@ class GridView(WorldView):
 
     @property
     def _is_drawn(self) -> bool:
-        """Whether the reader draws on the map: frames of steps would look like the cursor."""
+        """True while the reader draws: frames of steps would look like the cursor."""
         return self.is_drawn_on or self.shows_drawing
+
+    def _traces(self, snapshot: Snapshot) -> dict[int, Trace]:
+        if self._is_drawn:
+            return {}
+        if self.subject:
+            return subject_traces(self.world, self._map.grid, self.subject, self.subject_next)
+        return traces(snapshot, self._map.grid)
 
     @property
     def _moves(self) -> bool:
-        """Whether a step may animate the map."""
         shows_v = self.studied is None and self.drawn_layer is Layer.Q
         return shows_v and self._is_whole and not (self._action_form or self.is_drawn_on)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the visible map with labels, and the body above."""
+        """Draw map, labels and body."""
         margins = NO_MARGINS
         if self.cell and not self.shows_actions:
             margins = margins_in(self._map.grid, self.cell, width, height)
@@ -257,7 +258,7 @@ class GridView(WorldView):
             with_actions=actions is not None,
             named=self.is_numbered or (actions is None and form.has_number and not grid.legend),
             picked=self.picked,
-            traced=not self._is_drawn,
+            traced=self._traces(snapshot),
         )
         self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
         if self._longest_name > self._room_for_names(form):  # names replace numbers in all cells or in none
@@ -292,12 +293,12 @@ class GridView(WorldView):
 
     @property
     def has_landscape(self) -> bool:
-        """Whether V can be drawn as a landscape here."""
+        """True if a landscape of V fits here."""
         return not (self.title or self.lacks_table) and has_landscape(self.world, self.cell, self.look)
 
     @property
     def named_scale(self) -> NamedScale | None:
-        """The colour scale, with the line step of a landscape."""
+        """The colour scale, with a landscape's line step."""
         named = super().named_scale
         if named is None or not self._is_landscape or self._landscapes is None:
             return named
@@ -320,7 +321,6 @@ class GridView(WorldView):
         return self.number_forms.form((key, layer), values, form.digits, most=_DECIMALS)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
-        """Return the form of cells, and decide whether they show every action."""
         grid = self._map.grid
         self._action_form = actions = self._form_of_actions(width, height)
         if actions is not None:
@@ -349,12 +349,12 @@ class GridView(WorldView):
 
     @property
     def lacks_room(self) -> bool:
-        """Whether cells are too small to show every action as wanted."""
+        """True if cells are too small for every action."""
         is_wanted = self.shows_actions and self.drawn_layer in ACTION_LAYERS
         return is_wanted and self._form is not None and self._action_form is None
 
     def has_room_in(self, width: int, height: int) -> bool:
-        """Return whether cells of this panel size show what is wanted."""
+        """Return whether this size shows what is wanted."""
         return not self.shows_actions or self._form_of_actions(width, height) is not None
 
     def _room_for_names(self, form: CellForm) -> int:
@@ -369,7 +369,7 @@ class GridView(WorldView):
         return self._own_name.rjust(self._longest_name) if has_names and not self._action_form else ""
 
     def signs(self) -> Iterator[LegendSign]:
-        """Yield the signs that occur on this map."""
+        """Yield the signs on this map."""
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
         if self._is_landscape:
@@ -401,7 +401,7 @@ class GridView(WorldView):
             yield from self.missing_table_signs()
         yield self.agent_sign()
         if self.snapshot is not None and form is not None and not self._is_drawn:
-            left = traces(self.snapshot, self._map.grid)
+            left = self._traces(self.snapshot)
             yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
         if actions is None and has_arrows and self._has_greedy and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
@@ -415,17 +415,19 @@ class GridView(WorldView):
         if CellKind.WALL in self._kinds and not self._map.grid.legend:  # otherwise a wall looks like the page
             yield LegendSign(glyphs.wall, "wall", palette.wall)
         if form is not None and 0 < self._longest_name <= self._room_for_names(form):
-            yield LegendSign(self._own_name, "state", palette.text)
+            yield LegendSign(
+                self._own_name, "state number" if self._own_name.isdigit() else "state", palette.text
+            )
 
     def redraw(self) -> None:
-        """Draw again. Report another visible part of a large map."""
+        """Draw again, and report another visible part."""
         super().redraw()
         if self.cells != self._requested and self.is_attached and is_large(self.world):
             self._requested = self.cells
             self.post_message(Scrolled())
 
     def pan(self, rows: int, columns: int) -> None:
-        """Scroll a large map, and stop following the agent."""
+        """Scroll, and stop following the agent."""
         if self._is_whole:
             return
         self._following = False
@@ -453,9 +455,9 @@ class GridView(WorldView):
         return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
 
     def _where(self, width: int) -> str:
-        """Return the visible part, or the meaning of rows and columns."""
         legend, axes = self._map.grid.legend, self._map.grid.axes
         if self._is_whole or self._part is None:
-            says_all = axes is not None and axes.names is None and axes.titles
+            says_all = axes is not None and axes.titles and not any(axes.columns)
             return "" if self._names_bins or says_all else self.fitting(shorter(legend), width)
-        return self.fitting(where(self._map.grid, self._part, follows=self._following), width)
+        is_led = bool(self.subject)
+        return self.fitting(where(self._map.grid, self._part, follows=self._following, is_led=is_led), width)

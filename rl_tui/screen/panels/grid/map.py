@@ -1,4 +1,4 @@
-"""The contents of map cells at one moment of a run."""
+"""The contents of map cells at one moment."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
-    """Return the cells that cannot be reached, except cliffs.
+    """Return unreachable cells, except cliffs, which put the agent back at once.
 
-    Cliffs put the agent back at once. Empty without a transition table.
+    Empty without a transition table.
     """
     if not isinstance(space, TabularMDP):
         return frozenset()
@@ -51,9 +51,9 @@ def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
 
 
 def carried_place(place: int, before: Snapshot, now: Snapshot) -> tuple[int, int, int]:
-    """Return the cell of ``now`` that was ``place``, and its shift down and right.
+    """Return where ``place`` is now, and its shift down and right.
 
-    If its row or column is gone, it keeps their numbers within the map.
+    A deleted row or column keeps its number within the map.
     """
     was, grid = before.world.drawing, now.world.drawing
     assert isinstance(was, Grid)
@@ -79,7 +79,7 @@ _MOST_WALLS: Final = 0.45  # share of the map: more walls look like its surround
 
 
 class MapPart(NamedTuple):
-    """The ``rows`` × ``columns`` cells from (``top``, ``left``) on."""
+    """``rows`` × ``columns`` cells from (``top``, ``left``) on."""
 
     top: int
     left: int
@@ -88,10 +88,7 @@ class MapPart(NamedTuple):
 
 
 class ActionValue(NamedTuple):
-    """One action of a state: direction or first letter, and Q.
-
-    ``is_new``: the pair was never updated.
-    """
+    """Direction or first letter, and Q. ``is_new``: never updated."""
 
     sign: Sign
     q: float
@@ -100,7 +97,7 @@ class ActionValue(NamedTuple):
 
 
 class Wall(Enum):
-    """The look of a wall: a slab, one lit from above, or like the page."""
+    """A slab, one lit from above, or like the page."""
 
     SLAB = auto()
     LIT = auto()
@@ -110,9 +107,9 @@ class Wall(Enum):
 class CellExtra(NamedTuple):
     """Rare contents, in one object because every field costs time per frame.
 
-    ``name``: if wanted, padded to the longest. ``is_off_way``: without a drawn action, and never reached.
-    ``draft``: not active. ``way``: the only exit. ``has_turned``: the last step changed its arrows.
-    ``edges``: whether it has a wall at the left, and at the right.
+    ``name``: padded to the longest. ``is_off_way``: without a drawn action, and never reached. ``draft``: not
+    active. ``way``: the only exit. ``has_turned``: the last step changed its arrows. ``edges``: walls at the
+    left and right.
     """
 
     trace: Trace = Trace()
@@ -140,7 +137,6 @@ class CellContent(NamedTuple):
     ``value``: V(s) = max over a of Q(s, a), or None. ``greedy``: all greedy actions, empty if all are equal
     or unknown. ``lead``: advantage of a single one over the second best. Policy iteration and drawn policies
     replace these by their own. ``reward``: if unusual. ``differs``: the second run has other greedy actions.
-    ``actions``: all, if wanted.
     """
 
     kind: CellKind
@@ -158,12 +154,11 @@ class CellContent(NamedTuple):
 
 
 def with_extra(content: CellContent, **more: Any) -> CellContent:
-    """Return ``content`` with ``more`` rare contents."""
+    """Add rare contents."""
     return content._replace(extra=(content.extra or PLAIN)._replace(**more))
 
 
 def _walls(grid: Grid) -> dict[int, CellExtra]:
-    """Return the look of walls, hidden where the map is mostly wall."""
     cells = [cell for cell, kind in enumerate(grid.kinds) if kind is CellKind.WALL]
     if grid.legend or len(cells) > _MOST_WALLS * len(grid.kinds):
         return dict.fromkeys(cells, CellExtra(wall=Wall.PAGE))
@@ -174,8 +169,7 @@ def _walls(grid: Grid) -> dict[int, CellExtra]:
 class GridMap:
     """A map and its states. Reading a part takes equally long on any map.
 
-    ``signs``: direction or first letter of each action. ``ends``: names of terminal kinds of cells. ``ways``:
-    signs of cells with one exit.
+    ``ends``: names of terminal kinds. ``ways``: signs of single exits.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -209,7 +203,6 @@ class GridMap:
             self.ends[kind] = str(kind) if kind in self.ends else self._end_name(cell)
 
     def _exit_kinds(self) -> dict[int, CellKind]:
-        """Return the cells whose only action ends the episode, as goal or hole."""
         found = {}
         for cell, reward in self._rewards.items():
             own = self._space.pairs_of(int(self._states[divmod(cell, self.grid.columns)]))
@@ -218,28 +211,24 @@ class GridMap:
         return found
 
     def _end_name(self, cell: int) -> str:
-        """Return the name of an end: its state's, if that is a word."""
         state = self._states[divmod(cell, self.grid.columns)]
         name = "" if state == NO_STATE else self._space.state_names[state]
         return name if is_word(name) else str(self.grid.kinds[cell])
 
     @cached_property
     def action_kinds(self) -> ActionKinds:
-        """The common properties of the actions of all states."""
+        """The kinds of actions of all states."""
         return action_kinds(self._space, self.grid)
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
-        """Return the agent's or first state in ``cell``, or None."""
+        """Return the agent's or first state in ``cell``."""
         if snapshot is not None and self.grid.cell_of_state[snapshot.counters.state] == cell:
             return snapshot.counters.state
         state = int(self._states[divmod(cell, self.grid.columns)])
         return None if state == NO_STATE else state
 
     def cell_to_follow(self, snapshot: Snapshot) -> int:
-        """Return the cell to keep visible: the agent's, or where it acted last.
-
-        The latter if it ended far away, in an end drawn outside of the map.
-        """
+        """Return the agent's cell, or where it acted last if its end is outside of the map."""
         grid, last = self.grid, snapshot.counters.last_step
         here = int(grid.cell_of_state[snapshot.counters.state])
         if last is None or last.planned or last.next_state != snapshot.counters.state:
@@ -260,12 +249,11 @@ class GridMap:
         with_actions: bool = False,
         named: bool = False,
         picked: frozenset[int] = frozenset(),
-        traced: bool = True,
+        traced: Mapping[int, Trace] | None = None,
     ) -> list[CellContent]:
         """Return the contents of ``part``, row by row.
 
-        ``named`` adds state names, ``traced`` the last steps. A cell of several states shows the agent's,
-        else the first.
+        A cell of several states shows the agent's, else the first.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -320,7 +308,7 @@ class GridMap:
         for place, state in enumerate(states.tolist() if differing else ()):
             if state in differing:
                 contents[place] = contents[place]._replace(differs=True)
-        for cell, trace in traces(snapshot, self.grid).items() if traced else ():
+        for cell, trace in (traces(snapshot, self.grid) if traced is None else traced).items():
             marked = self._place(part, cell)
             if marked is not None:
                 contents[marked] = with_extra(contents[marked], trace=trace)
@@ -359,7 +347,7 @@ class GridMap:
         return tuple(own[action] for action in self._order if action in own)
 
     def holds(self, part: MapPart, snapshot: Snapshot) -> bool:
-        """Return whether ``snapshot`` contains all data for ``part``."""
+        """Return whether ``snapshot`` has all data for ``part``."""
         if snapshot.agent.part is None:
             return True
         states = self._states_in(part, snapshot)
@@ -401,7 +389,6 @@ class GridMap:
         return content._replace(value=value, greedy=self._in_order(taken) if is_told else ())
 
     def _drawn(self, content: CellContent, action: int | None, signs: list[Sign]) -> CellContent:
-        """Return ``content`` with the drawn ``action``, None for the only one or random."""
         chosen = self.signs[action] if action is not None else signs[0] if len(signs) == 1 else AT_RANDOM
         actions = tuple(each._replace(is_greedy=each.sign == chosen) for each in content.actions)
         return content._replace(greedy=(chosen,), lead=math.inf, actions=actions)

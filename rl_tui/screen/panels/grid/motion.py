@@ -53,7 +53,7 @@ class Chip(NamedTuple):
     way: Direction
 
     def text(self, form: NumberForm, look: Look) -> str:
-        """Return the number with an arrow head in front."""
+        """Write the number after an arrow head."""
         glyphs = look.glyphs
         if self.is_reward or abs(self.number) < numbers.NEGLIGIBLE:
             number = "+" * (self.number > 0.0) + numbers.brief(self.number, glyphs, decimals=2)
@@ -67,18 +67,18 @@ class Chip(NamedTuple):
         return f"{glyphs.head_down if down > 0 else glyphs.head_up}{number}"
 
     def style(self, look: Look) -> Style:
-        """Return the style of the chip."""
+        """Return the chip's style."""
         palette = look.palette
         return palette.goal if self.is_reward and self.number > 0.0 else palette.source + _PLAIN
 
     @property
     def travels(self) -> bool:
-        """Whether it comes from a neighbour, or appears in s."""
+        """True if it comes from a neighbour."""
         return max(map(abs, self.way)) == 1
 
 
 class Motion(NamedTuple):
-    """The effect of one step on a map, at one ``tick``.
+    """One step's effect on a map, at one ``tick``.
 
     ``path``: the chip's fractions of its way. Over a whole way, the cell shows ``before`` until it arrives.
     Then its frame fades.
@@ -92,17 +92,17 @@ class Motion(NamedTuple):
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing changes any more."""
+        """True if nothing changes any more."""
         return self._since >= len(_SHARES) - 1
 
     @property
     def at_rest(self) -> Motion:
-        """The motion at its end."""
+        """The end of the motion."""
         return self._replace(tick=self._changes + len(_SHARES) - 1)
 
     @property
     def scene(self) -> object:
-        """A key of the picture, to avoid equal redraws."""
+        """A key of the picture."""
         since, chip_at = self._since, min(self.tick, len(self.path))
         return chip_at, since < 0 or (_SHARES[min(since, len(_SHARES) - 1)], since < _TURNED_TICKS)
 
@@ -115,7 +115,7 @@ class Motion(NamedTuple):
         return len(self.path) if self.path == _WHOLE_WAY else 0
 
     def contents(self, cells: Sequence[CellContent]) -> list[CellContent]:
-        """Return all ``cells`` as they look at this tick."""
+        """Return ``cells`` at this tick."""
         moved, now, before = list(cells), cells[self.cell], self.before
         trace, since = (now.extra or PLAIN).trace, self._since
         if since < 0:
@@ -130,7 +130,7 @@ class Motion(NamedTuple):
     def laid_over(
         self, strips: list[Strip], form: CellForm, columns: int, number_form: NumberForm, look: Look
     ) -> list[Strip]:
-        """Return ``strips`` of a map with the chip on top."""
+        """Lay the chip over a map."""
         if self.chip is None or self.tick >= len(self.path):
             return strips
         text = self.chip.text(number_form, look)
@@ -147,7 +147,7 @@ class Motion(NamedTuple):
 
 
 def motion_between(before: Snapshot, now: Snapshot, grid_map: GridMap, pace: float) -> Motion | None:
-    """Return the motion of the next step of the same run, or None.
+    """Return the motion of the run's next step, if it is one.
 
     ``pace``: steps per second. Above 15 nothing travels.
     """
@@ -166,7 +166,7 @@ def motion_between(before: Snapshot, now: Snapshot, grid_map: GridMap, pace: flo
 
 
 def resting(now: Snapshot, grid_map: GridMap) -> Motion | None:
-    """Return the finished motion of the last step, or None."""
+    """Return the last step's finished motion."""
     last = followed_step(now)
     if last is None or not last.learned or last.updated_pair < 0 or now.answers.studied is not None:
         return None
@@ -185,7 +185,6 @@ def _is_same_step(before: Snapshot, now: Snapshot) -> bool:
 
 
 def _chip_of(snapshot: Snapshot, last: LastStep, grid: Grid) -> Chip | None:
-    """Return the number used by a one-step update, or None."""
     is_one_step = algorithm_row(snapshot.agent.learned_by[0]).updates_own_pair
     if not is_one_step or last.planned or last.others or last.updated_pair != last.pair:
         return None
@@ -203,7 +202,7 @@ def _chip_of(snapshot: Snapshot, last: LastStep, grid: Grid) -> Chip | None:
 
 
 class Mover:
-    """The motion of ``panel``'s map, driven by a timer."""
+    """A map's motion, driven by a timer of the app."""
 
     def __init__(self, panel: Panel) -> None:
         self.motion: Motion | None = None
@@ -213,13 +212,13 @@ class Mover:
 
     @property
     def is_running(self) -> bool:
-        """Whether more ticks follow."""
+        """True if more ticks follow."""
         return self._timer is not None
 
     def follow(
         self, before: Snapshot | None, now: Snapshot, grid_map: GridMap, form: CellForm | None
     ) -> None:
-        """Start the motion from ``before`` to ``now``, in cells of ``form``.
+        """Start the motion, in cells of ``form``.
 
         Cells need a frame. Other jumps are at rest, so that a moment looks the same however it was reached.
         """
@@ -232,8 +231,10 @@ class Mover:
             motion = motion or resting(now, grid_map)
         self._stop()
         self.motion = motion
-        if motion is not None and not motion.is_over:
-            self._timer = self._panel.set_interval(1.0 / ticks, self.tick)
+        if motion is None or motion.is_over or not self._panel.is_attached:
+            return
+        if isinstance(app := self._panel.app, LinkedApp):
+            self._timer = app.start_timer(1.0 / ticks, self.tick, repeats=True)
 
     def tick(self) -> None:
         """Draw the next tick, or the end on slow terminals."""

@@ -1,8 +1,9 @@
-"""The legend of a map, and its row of wind."""
+"""A map's legend, wind and headings."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import compress
 from typing import Final
 
 from rich.segment import Segment
@@ -15,6 +16,7 @@ from rl_tui.screen.panels.grid.action_form import ActionForm, Places
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
 from rl_tui.screen.panels.grid.marks import START, CellReward, differing_style, one_way_sign, reward_style
+from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind, Grid
 
@@ -27,7 +29,7 @@ WIND: Final = "wind"
 def wind_strip(
     grid: Grid, part: MapPart, form: CellForm, width: int, snapshot: Snapshot, look: Look
 ) -> Strip:
-    """Return a row with the wind of each column."""
+    """Draw the columns' wind."""
     palette = look.palette
     gust = gust_of(snapshot.world, snapshot.counters.last_step)
     segments = []
@@ -47,20 +49,15 @@ def wind_strip(
     return Strip(segments).adjust_cell_length(width, palette.text)
 
 
-def wind_sign(grid: Grid, look: Look) -> LegendSign:
-    """Return the legend entry of the wind."""
-    return LegendSign(wind_text(max(grid.wind, key=abs), look), WIND, look.palette.text)
-
-
 def wind_text(strength: int, look: Look) -> str:
-    """Return strength and direction of the wind: ``↑2``."""
+    """Write strength and direction: ``↑2``."""
     if not strength:
         return "0"
     return f"{look.glyphs.up if strength > 0 else look.glyphs.down}{abs(strength)}"
 
 
 def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
-    """Return the wind of ``part`` for the border: ``wind 0 0 1 2``."""
+    """Write the wind: ``wind 0 0 1 2``."""
     winds = grid.wind[part.left : part.left + part.columns]
     return " ".join((WIND, *(wind_text(each, look) for each in winds)))
 
@@ -69,7 +66,7 @@ def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
 
 
 def differing_sign(width: int, name: str, look: Look) -> LegendSign:
-    """Return the mark of cells with other arrows in the second run."""
+    """Return the mark of other arrows in the second run."""
     glyphs, strong = look.glyphs, look.palette.strong
     if width - len(name) > LEAST_ARROWS:
         sign, style = glyphs.differs, look.palette.text
@@ -80,7 +77,7 @@ def differing_sign(width: int, name: str, look: Look) -> LegendSign:
 
 
 def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of cells with every action."""
+    """Yield the signs of every action."""
     palette, glyphs = look.palette, look.glyphs
     # first, because between others it would look like a separator
     yield LegendSign(glyphs.untried, "not tried", palette.unvisited)
@@ -94,16 +91,16 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
 
 
 def letter_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
-    """Yield the letters of actions with their names."""
+    """Yield the letters of actions."""
     for sign, name in zip(of.signs, of.action_names, strict=True):
         if isinstance(sign, str) and sign != name:
             yield LegendSign(sign, name, look.palette.strong)
 
 
 def ground_signs(of: GridMap, look: Look, *, has_edges: bool) -> Iterator[LegendSign]:
-    """Yield the signs of wind, walls between cells and one-way cells."""
+    """Yield wind, walls between cells and one-way cells."""
     if of.grid.wind:
-        yield wind_sign(of.grid, look)
+        yield LegendSign(wind_text(max(of.grid.wind, key=abs), look), WIND, look.palette.text)
     if of.grid.walls and has_edges:
         yield LegendSign(look.glyphs.edges[1], "wall", look.palette.strong)
     if of.ways:
@@ -114,7 +111,7 @@ def ground_signs(of: GridMap, look: Look, *, has_edges: bool) -> Iterator[Legend
 def place_signs(
     of: GridMap, kinds: frozenset[CellKind], look: Look, *, says_start: bool
 ) -> Iterator[LegendSign]:
-    """Yield the signs of terminal cells, and of the start."""
+    """Yield terminal cells and the start."""
     palette, glyphs = look.palette, look.glyphs
     ends = (
         (CellKind.HOLE, glyphs.hole, palette.hole),
@@ -127,8 +124,73 @@ def place_signs(
 
 
 def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look) -> Iterator[LegendSign]:
-    """Yield the legend entry of rewards, shown as ``texts``."""
+    """Yield the rewards' entry."""
     if len(texts[0]) > 1:
         yield LegendSign(texts[0], "reward", reward_style(rewards[0], look))
         return
     yield LegendSign("".join(dict.fromkeys(texts)), "reward", look.palette.strong)
+
+
+# Headings
+
+
+FOLLOWS: Final = "follows the agent"
+FOLLOW_HINT: Final = "esc: follow the agent"
+HEADING_ACTIONS: Final = f"{TITLE} · Q of every action"
+HEADING_TINTS: Final = f"{HEADING_ACTIONS}, as tint"
+STATE_NUMBERS: Final = "state numbers"
+
+
+def heading_of_values(form: CellForm, arrows: str, look: Look) -> str:
+    """Return the heading of V and ``arrows``."""
+    if form.has_values:
+        return f"{TITLE} · V and {arrows}"
+    return f"{TITLE} · {arrows}, V as colour" if look.palette.tints else f"{TITLE} · {arrows}"
+
+
+def heading_of_actions(form: ActionForm) -> str:
+    """Return the heading of every action."""
+    return HEADING_TINTS if form.places is Places.TINTS else HEADING_ACTIONS
+
+
+def numbered(heading: str, form: CellForm, arrows: str, longest: int, *, in_corner: bool) -> tuple[str, ...]:
+    """Return headings with state numbers.
+
+    ``longest``: its characters. ``in_corner``: numbers replace nothing.
+    """
+    if in_corner or form.has_corner:
+        return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
+    has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
+    what = f"{STATE_NUMBERS} and {arrows}" if has_arrows else STATE_NUMBERS
+    return f"{TITLE} · {what}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
+
+
+def shorter(legend: str) -> tuple[str, ...]:
+    """Return ``legend`` and two shorter forms."""
+    rows_and_columns = ", ".join(legend.split(", ")[:2])
+    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
+
+
+def stretch(first: int, shown: int, total: int) -> str:
+    """Write the visible rows, counted from 0."""
+    return f"{first}–{first + shown - 1} of {total:,}"
+
+
+def where(grid: Grid, part: MapPart, *, follows: bool, is_led: bool) -> tuple[str, ...]:
+    """Describe the visible part, and how to follow the agent."""
+    follow = FOLLOWS if follows else "" if is_led else FOLLOW_HINT
+    ending = f" · {follow}" if follow else ""
+    is_cut = part.rows < grid.rows, part.columns < grid.columns
+    in_view = stretch(part.top, part.rows, grid.rows), stretch(part.left, part.columns, grid.columns)
+    stretches = tuple(compress(in_view, is_cut))
+    named = " · ".join(map(" ".join, zip(compress(("rows", "columns"), is_cut), stretches, strict=True)))
+    brief = " · ".join(stretches)
+    legends = shorter(grid.legend) if grid.legend and follows else ()
+    return (
+        *(f"{legend} · {named}" for legend in legends),
+        f"{named}, counted from 0{ending}",
+        f"{named}{ending}",
+        f"{brief}{ending}",
+        *((named, brief) if follow != FOLLOW_HINT else ()),  # following is obvious
+        follow,
+    )

@@ -1,8 +1,8 @@
-"""Traces of steps on a map: trail, updated frame, last path."""
+"""Traces of steps on a map."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rich.style import Style
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rl_tui.screen.draw.canvas import Canvas
     from rl_tui.screen.theme.look import Look
     from rl_tui.worlds.drawing import Grid
+    from rl_tui.worlds.world import World
 
 _RECENT: Final = 16
 """Steps after which a visited cell is no longer recent."""
@@ -25,7 +26,7 @@ _UNDERLINED: Final = Style(underline=True)
 
 
 class LastWay(NamedTuple):
-    """The direction of the last step, and whether it ``slipped``."""
+    """The last step's direction."""
 
     direction: Direction
     slipped: bool
@@ -35,7 +36,7 @@ class Trace(NamedTuple):
     """Traces of steps in a cell.
 
     ``error``: sign of the last update's error, None if elsewhere. ``share``: remaining colour of its frame.
-    ``way``: the last step left this cell.
+    ``is_next``: the open panel's pair may lead here.
     """
 
     was_here: bool = False
@@ -43,10 +44,24 @@ class Trace(NamedTuple):
     error: int | None = None
     share: float = 1.0
     way: LastWay | None = None
+    is_next: bool = False
+
+
+def subject_traces(
+    world: World, grid: Grid, subject: range, next_states: Collection[int]
+) -> dict[int, Trace]:
+    """Mark the open panel's pair and next states."""
+    found = {int(grid.cell_of_state[state]): Trace(is_next=True) for state in next_states}
+    if len(subject) == 1:
+        cell = int(grid.cell_of_state[world.space.state_of(subject.start)])
+        direction = grid.directions[int(world.space.pair_action[subject.start])]
+        way = None if direction is None else LastWay(direction, slipped=False)
+        found[cell] = Trace(way=way)
+    return found
 
 
 def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
-    """Return the traces in each cell but the agent's."""
+    """Return the traces, without the agent's cell."""
     found = {}
     trail, cell_of = snapshot.trail, grid.cell_of_state
     if trail:
@@ -69,7 +84,7 @@ def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
 
 
 def put_trail(canvas: Canvas, trace: Trace, look: Look, *, inner: int, ink: Style) -> None:
-    """Put the trail mark into an empty corner, or underline a full cell."""
+    """Mark an empty corner, or underline a full cell."""
     if not trace.was_here:
         return
     places = [(inner - 1, 0), (0, 0), (inner - 1, canvas.height - 1), (0, canvas.height - 1)]
@@ -82,15 +97,17 @@ def put_trail(canvas: Canvas, trace: Trace, look: Look, *, inner: int, ink: Styl
         canvas.put_over(*place, look.glyphs.trail if trace.is_recent else look.glyphs.trail_old, ink)
 
 
-def put_update(canvas: Canvas, error: int, share: float, ground: Style, look: Look) -> None:
-    """Frame the updated cell in the colour of the error's sign.
+def trace_colour(trace: Trace, ground: Style, look: Look) -> Style | None:
+    """Return the frame's colour for a next state or the error's sign.
 
-    The colour has the weight ``share``, the ``ground`` the rest.
+    An error's colour has the weight ``share``, the ``ground`` the rest.
     """
-    colour = look.palette.error(error)
-    if share < 1.0:
-        colour += Style(color=faded(ground + colour, share).color)
-    put_frame(canvas, colour, look)
+    if trace.error is None:
+        return look.palette.source_line if trace.is_next else None
+    colour = look.palette.error(trace.error)
+    if trace.share < 1.0:
+        colour += Style(color=faded(ground + colour, trace.share).color)
+    return colour
 
 
 def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
@@ -108,7 +125,7 @@ def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
 
 
 def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
-    """Put the path of the last step on the crossed edge."""
+    """Draw the path on the crossed edge."""
     down, right = way.direction
     style = look.palette.agent + (Style(color=look.palette.bad.color) if way.slipped else Style.null())
     sign = way_text(way, look)
@@ -121,7 +138,7 @@ def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
 
 
 def way_text(way: LastWay, look: Look) -> str:
-    """Return the sign of a step's path: ``━▶``."""
+    """Return the sign of a path: ``━▶``."""
     glyphs = look.glyphs
     match way.direction:
         case (0, 1):
@@ -136,7 +153,7 @@ def way_text(way: LastWay, look: Look) -> str:
 
 
 def trace_signs(left: dict[int, Trace], look: Look, *, has_ways: bool) -> Iterator[LegendSign]:
-    """Yield the signs of trail and slip, if present."""
+    """Yield the signs of trail and slip."""
     if any(trace.was_here for trace in left.values()):
         yield LegendSign(look.glyphs.trail, "trail", look.palette.strong)
     slips = (trace.way for trace in left.values() if trace.way is not None and trace.way.slipped)

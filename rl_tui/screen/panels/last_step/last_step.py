@@ -1,4 +1,4 @@
-"""The last step, or a planner's last backup, in words and numbers."""
+"""The last step, or a planner's last backup."""
 
 from __future__ import annotations
 
@@ -39,10 +39,7 @@ _LEAST_ROWS: Final = 4  # with fewer rows, words have no line of their own
 
 
 class StepWriter:
-    """Writes the lines of one step.
-
-    ``cells``: widths of the previous terms, to keep the equation steady.
-    """
+    """Writes one step. ``cells``: previous widths, to keep the equation steady."""
 
     def __init__(self, words: StepWords, look: Look, width: int, cells: Sequence[int] = ()) -> None:
         self.words = words
@@ -59,7 +56,7 @@ class StepWriter:
         self._error = Piece(words.update.error, self._equation.label.style)
 
     def tall(self, height: int) -> list[Line]:
-        """Return the full story in ``height`` ≥ 4 rows, words above numbers."""
+        """Return the full story in ``height`` ≥ 4 rows."""
         if self.words.backup is not None:
             return self._state_backup(self.words.backup, height)
         happened, remark = self._happened(), self._remark()
@@ -74,7 +71,8 @@ class StepWriter:
         if len(lines) > max(room, 3) and not remark[-1].text:  # the equation needs a second line
             start, room = [happened], height - 2
         if len(lines) > max(room, 3):
-            lines = [self._fitting([self._flat(), self._result()])]
+            lines = Flow(self._whole(), _INDENT).lines(self.width, self._look)
+            lines = lines if len(lines) <= room and all(map(self._fits, lines)) else [self._result()]
         lines = [*start, *lines[:room]]
         return [*lines, *([[]] * (height - len(lines) - 1)), self._bar()]
 
@@ -123,7 +121,6 @@ class StepWriter:
         return self._fitting(chain(forms, ([*whole, *error], [*result, *error], result)))
 
     def _steady(self) -> Equation:
-        """Return the equation with the previous widths, if it fits."""
         whole = self._equation
         terms = [whole.left, *whole.terms]
         needed = [max(cell_len(term.word), cell_len(term.number)) for term in terms]
@@ -202,7 +199,6 @@ class StepWriter:
         return [self._dim(f" {self._equation.left.word} = "), self._strong(self.words.update.after)]
 
     def _bar(self) -> Line:
-        """Return δ as a bar, relative to the range of all estimates."""
         glyphs, palette = self._look.glyphs, self._look.palette
         label, error = spelled([self._dim(f" {_SURPRISE}"), self._error], self._look)
         start = cell_len(label.text)
@@ -300,16 +296,17 @@ class StepWriter:
 
 
 NOTHING_YET: Final = "no step yet: s takes one"
+PREDICT_FIRST: Final = "no step yet: predict first"
 OF_ANOTHER_WORLD: Final = "no step yet in this world: s takes one"
 
 
 class LastStepPanel(Panel):
-    """The last step: words above numbers, or one line."""
+    """The last step in words and numbers."""
 
     _cells: Sequence[int] = ()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of the last step."""
+        """Draw the last step."""
         titles = (f"Last step · {each}" for each in _choices(snapshot, self.look))
         self.heading = self.fitting((*titles, *self.captioned("Last step"), "Last step"), width)
         writer = None if snapshot is None else writer_of(snapshot, self.look, width, self._cells)
@@ -325,11 +322,11 @@ def _choices(snapshot: Snapshot | None, look: Look) -> Sequence[str]:
 
 
 def nothing_yet(snapshot: Snapshot | None) -> str:
-    """Return why there is no last step to show."""
+    """Explain why there is no last step."""
     if snapshot is not None and snapshot.program is not None and snapshot.counters.step:
         return "this step is not in the transition table"
     if snapshot is None or snapshot.counters.step == 0:
-        return NOTHING_YET
+        return NOTHING_YET if snapshot is None or not keeps_back(snapshot, "run") else PREDICT_FIRST
     changes = snapshot.world_changes
     if changes and changes[-1].step == snapshot.counters.step:
         return OF_ANOTHER_WORLD
@@ -339,7 +336,7 @@ def nothing_yet(snapshot: Snapshot | None) -> str:
 def last_step_lines(
     snapshot: Snapshot | None, look: Look, width: int, height: int, writer: StepWriter | None = None
 ) -> list[Line]:
-    """Return up to ``height`` lines of ``width`` cells."""
+    """Return up to ``height`` lines."""
     if snapshot is not None:
         writer = writer or writer_of(snapshot, look, width)
     if writer is None:
@@ -348,7 +345,7 @@ def last_step_lines(
 
 
 def writer_of(snapshot: Snapshot, look: Look, width: int, cells: Sequence[int] = ()) -> StepWriter | None:
-    """Return the writer of the last step, or None."""
+    """Return the last step's writer, if any."""
     story = story_of(snapshot)
     if story is None:
         return None

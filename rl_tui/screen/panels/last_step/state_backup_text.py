@@ -1,9 +1,8 @@
-"""The Bellman equation of a planner's backup in numbers."""
+"""A planner's Bellman equation in numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
 
@@ -29,7 +28,7 @@ _LAWS: Final = {
 
 
 class ActionText(NamedTuple):
-    """An action's sign, terms (``0 + .99·.34``), value, and whether it counts."""
+    """An action's sign, terms (``0 + .99·.34``), and value."""
 
     sign: str
     worked_out: str
@@ -37,46 +36,28 @@ class ActionText(NamedTuple):
     counts: bool
 
 
-@dataclass(frozen=True, slots=True)
-class BackupText:
-    """The texts of ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``. ``right`` has forms."""
-
-    kind: str
-    law: str
-    left: str
-    right: Sequence[str]
-    result: str
-    actions: Sequence[ActionText]
-
-    def lines(self, arrow: str) -> Sequence[str]:
-        """Return forms of the equation, the bare result last."""
-        start = f"{self.left} {arrow} "
-        return (*(f"{start}{each} = {self.result}" for each in self.right), f"{start}{self.result}")
-
-
 @lru_cache(maxsize=2)
 def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText:
-    """Return the texts of ``backup``, with decimals that keep arithmetic consistent."""
+    """Write ``backup`` with consistent decimals."""
     fewest = _FEWEST + leading_zeros(backup.value, *backup.q.tolist())
-    text = _Writer(world, backup, glyphs, fewest)
+    text = BackupText(world, backup, glyphs, fewest)
     for decimals in range(fewest, fewest + _MOST):
-        text = _Writer(world, backup, glyphs, decimals)
+        text = BackupText(world, backup, glyphs, decimals)
         if text.comes_out:
             break
-    return text.text()
+    return text
 
 
-class _Writer:
+class BackupText:
+    """``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``."""
+
     def __init__(self, world: World, backup: StateBackup, glyphs: Glyphs, decimals: int) -> None:
-        self._world = world
-        self._backup = backup
-        self._glyphs = glyphs
-        self._decimals = decimals
+        self._backup, self._glyphs, self._decimals = backup, glyphs, decimals
         pairs = shown_pairs(world, backup.pairs)
         self._places = [pair - backup.pairs.start for pair in pairs]
         numbers = [int(world.space.pair_action[pair]) for pair in pairs]
         self._are_directions = all(names.is_direction(world, number) for number in numbers)
-        self._actions = [
+        self.actions = [
             ActionText(
                 names.action_name(world, number, glyphs),
                 self._worked_out(place),
@@ -85,15 +66,27 @@ class _Writer:
             )
             for number, place in zip(numbers, self._places, strict=True)
         ]
-        self._taken = [each for each in self._actions if each.counts]
+        self._taken = [each for each in self.actions if each.counts]
         self._value = self._figure(backup.value)
+        state = names.state_name(world, backup.state, glyphs)
+        improves = backup.phase == "improvement"
+        self.kind, self.law = _NAMES[backup.phase], _LAWS[backup.phase]
+        self.left = f"{'π' if improves else 'V'}{'' if isinstance(world.drawing, Arms) else f'({state})'}"
+        of = "argmax" if improves else "max"
+        self.right = self._mean() if backup.phase == "evaluation" else self._best(of)
+        self.result = self._chosen() if improves else self._value
+
+    def lines(self, arrow: str) -> Sequence[str]:
+        """Return forms of the equation."""
+        start = f"{self.left} {arrow} "
+        return (*(f"{start}{each} = {self.result}" for each in self.right), f"{start}{self.result}")
 
     def _figure(self, x: float) -> str:
         return figure(x, self._decimals, self._glyphs)
 
     @property
     def comes_out(self) -> bool:
-        """Whether printed numbers give the result, and the best is recognizable."""
+        """True if printed numbers give the result and the best."""
         backup = self._backup
         if backup.phase == "evaluation":
             mean = sum(parsed(each.q, self._glyphs) for each in self._taken) / max(1, len(self._taken))
@@ -101,14 +94,14 @@ class _Writer:
                 return False
         else:
             of_best = {each.q for each in self._taken}
-            others = {each.q for each in self._actions if not each.counts}
+            others = {each.q for each in self.actions if not each.counts}
             if len(of_best) > 1:  # equally good, but rounded differently
                 return False
             if of_best & others and float(np.ptp(backup.q)) > 10.0 ** -(self._decimals + 2):
                 return False
         if not backup.is_split:
             return True
-        for place, action in zip(self._places, self._actions, strict=True):
+        for place, action in zip(self._places, self.actions, strict=True):
             reward, bootstrap = (parsed(each, self._glyphs) for each in self._terms(place))
             if not agrees(reward + backup.gamma * bootstrap, action.q, self._glyphs, self._decimals):
                 return False
@@ -117,21 +110,6 @@ class _Writer:
     def _terms(self, place: int) -> tuple[str, str]:
         reward, bootstrap = self._backup.reward[place], self._backup.bootstrap[place]
         return self._figure(float(reward)), self._figure(float(bootstrap))
-
-    def text(self) -> BackupText:
-        backup, glyphs = self._backup, self._glyphs
-        is_bandit = isinstance(self._world.drawing, Arms)
-        state = "" if is_bandit else f"({names.state_name(self._world, backup.state, glyphs)})"
-        improves = backup.phase == "improvement"
-        right = self._mean() if backup.phase == "evaluation" else self._best("argmax" if improves else "max")
-        return BackupText(
-            kind=_NAMES[backup.phase],
-            law=_LAWS[backup.phase],
-            left=f"{'π' if improves else 'V'}{state}",
-            right=right,
-            result=self._chosen() if improves else self._value,
-            actions=self._actions,
-        )
 
     def _worked_out(self, place: int) -> str:
         if not self._backup.is_split:
@@ -152,15 +130,14 @@ class _Writer:
 
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")
-        signed = [f"{each.sign}{gap}{each.q}" for each in self._actions]
-        numbers = [", ".join(each.q for each in self._actions)] if of == "max" else []
+        signed = [f"{each.sign}{gap}{each.q}" for each in self.actions]
+        numbers = [", ".join(each.q for each in self.actions)] if of == "max" else []
         forms = [between.join(signed), *numbers, *self._elided(signed, between)]
         return [f"{of}{{{each}}}" for each in forms]
 
     def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
-        """Yield ``signed`` with fewer and fewer low ones."""
         values = self._backup.q[self._places].tolist()
-        ranks = [(not each.counts, -value) for each, value in zip(self._actions, values, strict=True)]
+        ranks = [(not each.counts, -value) for each, value in zip(self.actions, values, strict=True)]
         best_first = sorted(range(len(signed)), key=ranks.__getitem__)
         for count in range(len(signed) - 1, 0, -1):
             kept = sorted(best_first[:count])

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
@@ -22,7 +21,7 @@ from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.precision import agrees, figure, in_brackets, leading_zeros, parsed
 from rl_tui.screen.kit.blocks import Equation, Term
-from rl_tui.screen.panels.last_step.state_backup_text import BackupText, backup_text
+from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.last_step.update_text import UpdateText, setting, update_text
 from rl_tui.screen.panels.program.words import clause
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -37,93 +36,75 @@ _FEWEST: Final = 2  # decimals of an estimate
 _MORE: Final = 6  # decimals beyond the first significant digit
 
 
-@dataclass(frozen=True, slots=True)
 class StepWords:
     """The texts of ``story``.
 
-    ``choices``: how the action was chosen. ``meant`` and ``went``: empty unless it slips. ``estimate`` was
-    updated, ``bootstrap`` is in its target. ``others``: further updates.
+    ``meant`` and ``went``: empty unless it slips. ``estimate`` was updated, ``bootstrap`` is in its target.
     """
 
-    story: StepStory
-    state: str
-    place: str
-    choices: Sequence[str]
-    action: str
-    meant: str
-    went: str
-    chance: str
-    reward: str
-    next_state: str
-    landmark: str
-    endings: Sequence[str]
-    estimate: str
-    bootstrap: str
-    others: Sequence[str]
-    update: UpdateText
-    backup: BackupText | None
-    why_no_equation: Sequence[str] = ()
+    def __init__(self, story: StepStory, glyphs: Glyphs) -> None:
+        world, last = story.world, story.last
+
+        def action(number: int | None) -> str:
+            return "" if number is None else names.action_name(world, number, glyphs)
+
+        self.story = story
+        self.state = names.state_name(world, last.state, glyphs)
+        self.place = names.place(world, last.state)
+        self.choices = _choices(story, glyphs)
+        self.action = "" if last.planned else action(int(world.space.pair_action[last.pair]))
+        self.meant, self.went = action(story.meant), action(story.went)
+        self.chance = "" if story.chance is None else names.chance(story.chance, glyphs)
+        self.reward = numbers.brief(last.reward, glyphs, decimals=4)
+        self.next_state = "" if story.is_bandit else names.state_name(world, last.next_state, glyphs)
+        self.landmark = names.landmark(world, last.next_state)
+        self.endings = _endings(story)
+        estimate = f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
+        self.estimate = estimate if last.learned else ""
+        self.bootstrap = _bootstrap(story, glyphs)
+        self.others: Sequence[str] = ()
+        self.why_no_equation: Sequence[str] = ()
+        if story.has_equation:
+            self.update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
+            if last.gathered == last.reward:
+                self.reward = self.update.gathered
+            if last.others:
+                others = f"{last.others:,}"
+                self.others = f"and {others} {story.terms.others}", f"and {others} more", f"+{others}"
+        else:
+            self.update = _change_text(last, glyphs)
+            self.why_no_equation = _why_no_equation(story)
+        backup = story.state_backup
+        self.backup = None if backup is None else backup_text(world, backup, glyphs)
 
     @property
     def outcome(self) -> str:
-        """The outcome: ``wind ↑ 1, → 4``, ``meant ←, slipped ↓``, ``→ Pass``."""
+        """``wind ↑ 1, → 4``, ``meant ←, slipped ↓``, ``→ Pass``."""
         moved = f"meant {self.meant}, {self.slip}" if self.went else f"→ {self.next_state}"
         return f"{self.wind}, {moved}" if self.wind else moved
 
     @property
     def changes_nothing(self) -> bool:
-        """Whether the update seems to have changed nothing."""
+        """True if the update seems to change nothing."""
         last = self.story.last
         return not self.story.has_equation and not last.others and last.before == last.after
 
     @property
     def wind(self) -> str:
-        """The effect of wind in cells: ``wind ↑ 1``."""
+        """The wind in cells: ``wind ↑ 1``."""
         cells = self.story.wind
         return f"wind {'↑' if cells > 0 else '↓'} {abs(cells)}" if cells else ""
 
     @property
     def slip(self) -> str:
-        """The action that really happened: ``slipped ↓``."""
+        """The real action: ``slipped ↓``."""
         return f"{'went' if self.went == self.meant else 'slipped'} {self.went}"
 
 
 @lru_cache(maxsize=1)
 def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
-    """Return the words of ``story``, shared by all panels of a frame."""
-    world, last, others = story.world, story.last, f"{story.last.others:,}"
-    if story.has_equation:
-        update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
-    else:
-        update = _change_text(last, glyphs)
-    reward = numbers.brief(last.reward, glyphs, decimals=4)
-    estimate = f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
-
-    def action(number: int | None) -> str:
-        return "" if number is None else names.action_name(world, number, glyphs)
-
-    return StepWords(
-        story=story,
-        state=names.state_name(world, last.state, glyphs),
-        place=names.place(world, last.state),
-        choices=_choices(story, glyphs),
-        action="" if last.planned else action(int(world.space.pair_action[last.pair])),
-        meant=action(story.meant),
-        went=action(story.went),
-        chance="" if story.chance is None else names.chance(story.chance, glyphs),
-        reward=update.gathered if story.has_equation and last.gathered == last.reward else reward,
-        next_state="" if story.is_bandit else names.state_name(world, last.next_state, glyphs),
-        landmark=names.landmark(world, last.next_state),
-        endings=_endings(story),
-        estimate=estimate if last.learned else "",
-        bootstrap=_bootstrap(story, glyphs),
-        others=(f"and {others} {story.terms.others}", f"and {others} more", f"+{others}")
-        if last.others and story.has_equation
-        else (),
-        update=update,
-        backup=None if story.state_backup is None else backup_text(world, story.state_backup, glyphs),
-        why_no_equation=() if story.has_equation else _why_no_equation(story),
-    )
+    """Describe ``story``, once for all panels."""
+    return StepWords(story, glyphs)
 
 
 def _bootstrap(story: StepStory, glyphs: Glyphs) -> str:
@@ -163,7 +144,7 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
         luck = ", by chance the greedy one" if last.pair in best else ""
         return f"a random action, like {_share(last.epsilon)}{luck}", f"random{luck}", "random"
     if len(best) > 1:
-        return f"one of {len(best)} equal greedy actions", f"greedy, {len(best)} equal", "greedy"
+        return f"one of {len(best)} tied greedy actions", f"greedy, {len(best)} tied", "greedy"
     return "the greedy action", "greedy"
 
 
@@ -191,21 +172,20 @@ def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
 
 
 def _choice_texts_of_program(pair: int, best: Sequence[int], count: int) -> Sequence[str]:
-    """Return how a program chose ``pair``, never "random": its exploration is unknown."""
+    """Return how a program chose, never "random": its exploration is unknown."""
     if not best:
         return "your program chose it", "its choice"
     if pair not in best:
         return "your program chose it: not greedy", "not greedy"
     if len(best) == count > 1:
-        equal = "both equal" if count == 2 else f"all {count} equal"
-        return f"your program chose it: {equal}", equal
+        tied = "both tied" if count == 2 else f"all {count} tied"
+        return f"your program chose it: {tied}", tied
     if len(best) > 1:
-        return f"your program chose it: greedy, one of {len(best)} equal", f"greedy, {len(best)} equal"
+        return f"your program chose it: greedy, one of {len(best)} tied", f"greedy, {len(best)} tied"
     return "your program chose it: greedy", "greedy"
 
 
 def _change_text(last: LastStep, glyphs: Glyphs) -> UpdateText:
-    """Return estimates and difference, with decimals that show the change."""
     before = 0.0 if math.isnan(last.before) else last.before
     difference, first = last.after - before, _FEWEST + leading_zeros(before, last.after)
     texts = ["", "", ""]
@@ -234,7 +214,9 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
             "Monte Carlo: at the end of an episode, from the return of its steps",
             "at the end, from returns",
         )
-    return "this step departs from the update that fits the others", "departs from its update", "departs"
+    if program is not None and program.table is not None and program.table.other:
+        return "one of your two tables changed; their mean is shown", "one of two tables changed"
+    return "this step differs from the update that fits the others", "differs from its update", "departs"
 
 
 # The update as an equation
@@ -276,7 +258,7 @@ def equation(
 
 
 def error_style(words: StepWords, look: Look) -> Style:
-    """Return the style for the sign of δ."""
+    """Return the colour of δ's sign."""
     error = words.update.error
     falls = look.palette.bad if error.startswith(look.glyphs.minus) else look.palette.text
     return look.palette.good if error.startswith("+") else falls

@@ -1,7 +1,4 @@
-"""The open page of a lesson, with the current task below.
-
-It is beside the world, replaces it, or has one row.
-"""
+"""The open page of a lesson, with the current task below."""
 
 from __future__ import annotations
 
@@ -60,10 +57,7 @@ _LEAST_TEXT: Final = 6  # rows kept for the text above the task
 
 @dataclass(frozen=True, slots=True)
 class Spotlight:
-    """The panel that a page points at, and the ``key`` that shows it.
-
-    ``is_seen``: it is on the screen.
-    """
+    """The panel to look at, and its ``key``."""
 
     title: str
     is_seen: bool = True
@@ -71,10 +65,7 @@ class Spotlight:
 
 
 class PageLines(NamedTuple):
-    """The lines of a page, and of what it asks ``now``.
-
-    ``news``: line of the newest answer, hint or explanation.
-    """
+    """A page's lines. ``news``: the newest answer, hint or explanation."""
 
     text: list[Line]
     now: list[Line]
@@ -197,7 +188,7 @@ class _Page:
     def _locked(self, ask: Ask, given: Given) -> Block:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
         said = answer_text(ask, given.answer, self._look.glyphs)
-        text = f"You said: {said} (locked{at})" if ask.choices else f"You said {said}{at}; locked."
+        text = f"You said{':' if ask.choices else ''} {said} (locked{at})"
         return Text(text, self._palette.strong)
 
     def _question(self, ask: Ask) -> Iterator[Block]:
@@ -231,7 +222,6 @@ class _Page:
         yield from self._hints(task)
 
     def _conditions(self, task: Task) -> Sequence[ConditionView]:
-        """Return the conditions at the moment of passing, before that the current ones."""
         passed = next((each for each in self._record.passed if each.page == self._page.id), None)
         if passed is not None and not passed.claim:
             return [ConditionView(each.text, True) for each in task.conditions]
@@ -257,7 +247,6 @@ class _Page:
         return Labelled(sign.text, sign.style, _SIGN, Text(text, self._palette.text, "", ""))
 
     def _row(self, *pieces: Piece) -> Block:
-        """Return ``pieces`` in one row, or wrapped."""
         text = "".join(piece.text for piece in pieces)
         whole = [Piece(" ", self._palette.text), *pieces]
         return Row(whole, instead=[Text(text, pieces[0].style, rest="   ")])
@@ -270,10 +259,8 @@ _Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
 class LessonPanel(ScrolledPanel, WaitingRow):
     """The open page of the lesson.
 
-    The task stays visible at the bottom, the text above scrolls to news. One row shows the progress, or with
-    ``replaces_header`` why the run waits. ``spotlight``: the panel to look at. ``is_manual``: a person acts.
-    ``takes_turns``: the page hides the world. ``following``: title of the next lesson. ``offers``: current
-    keys.
+    The task stays visible at the bottom, the text above scrolls to news. One row shows the progress, or why
+    the run waits. ``takes_turns``: the page hides the world. ``following``: title of the next lesson.
     """
 
     class Offered(Message):
@@ -298,7 +285,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
     _news = 0
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the page, or its row."""
+        """Draw the page, or its row."""
         if snapshot is None or snapshot.lesson is None or height == 1:
             self.heading = self.footing = ""
         if snapshot is None or snapshot.lesson is None:
@@ -343,7 +330,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return [*strips, *strips_of(foot, width, height - len(strips), self.look)]
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the scrolling rows of the page."""
+        """Return the scrolling rows."""
         if snapshot is not None and snapshot.lesson is not None:
             view, record = snapshot.lesson, snapshot.lesson.record
             told = record.hints_on(record.page) + len(record.given)
@@ -352,11 +339,11 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return strips_of(self._lines, width, len(self._lines), self.look)
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
-        """Return nothing: the lower border shows the progress."""
+        """Return nothing: the border shows the progress."""
         return ()
 
     def scroll_page(self, pages: int) -> bool:
-        """Scroll by ``pages``. Return whether anything moved."""
+        """Scroll, and return whether anything moved."""
         before = self._first
         self.action_scroll_pages(pages)
         return self._first != before
@@ -390,7 +377,6 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         self.footing = self.fitting((*more, *tracks), width)
 
     def _follow(self, shown: _Shown, height: int) -> None:
-        """Start a new page at its top, and scroll to news."""
         before, self._shown = self._shown, shown
         news, rows = self._news, len(self._lines)
         if before[0] != shown[0]:
@@ -399,7 +385,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
             self._first = max(0, min(news - 1, rows - height))
 
     def on_click(self, event: events.Click) -> None:
-        """Open the page when its row is clicked."""
+        """Open the page from its row."""
         if self.size.height == 1:
             event.stop()
             self.app.simulate_key("enter")

@@ -17,19 +17,17 @@ _BULLET: Final = re.compile(r"\s{0,3}[-*•]\s+")
 _MARKED: Final = re.compile(r"\*\*(.+?)\*\*|`([^`]+)`")
 _EQUATION: Final = "    "
 _EQUATION_INDENT: Final = "  "
+_TWO_KEYS: Final = 3  # characters, with the blank between them
 _LEAST_INDENTED: Final = 12  # cells of an equation whose continuation lines are indented
 
 
 def plain(text: str) -> str:
-    """Return ``text`` in one line without marks."""
+    """Remove marks and line breaks."""
     return " ".join(_MARKED.sub(lambda match: match[1] or match[2], text).split())
 
 
 def prose_lines(text: str, width: int, look: Look, style: Style | None = None) -> list[Line]:
-    """Return ``text`` in lines of at most ``width`` cells.
-
-    Other markup is shown unchanged. ``style`` applies to unmarked words.
-    """
+    """Wrap ``text``, with ``style`` for unmarked words."""
     style = style or look.palette.text
     lines: list[Line] = []
     for number, block in enumerate(_blocks(text)):
@@ -126,10 +124,12 @@ def _chopped(text: str, room: int) -> str:
 
 
 def _words(text: str, style: Style, look: Look) -> Iterator[list[Piece]]:
-    """Yield the words of ``text`` as pieces of one style each."""
+    """Yield words in pieces of one style. A pair of keys (`w n`) is one word."""
     word: list[Piece] = []
     for run, run_style in _runs(text, style, look):
-        for number, part in enumerate(re.split(r"\s+", to_ascii(run, look.glyphs))):
+        is_keys = run_style == look.palette.press and len(run) == _TWO_KEYS
+        spelled = to_ascii(run, look.glyphs)
+        for number, part in enumerate([spelled] if is_keys else re.split(r"\s+", spelled)):
             if number and word:
                 yield word
                 word = []

@@ -1,4 +1,4 @@
-"""The stage of a lesson page, and short texts about it."""
+"""The stage of a lesson page."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class PageStage(Enum):
     TOLD = auto()  # the true result is shown
     TO_ANSWER = auto()  # a question, unanswered or answered wrong
     ANSWERED = auto()
-    TO_DO = auto()  # a task
+    TO_DO = auto()
     PASSED = auto()
 
 
@@ -44,7 +44,7 @@ def open_page(record: LessonRecord) -> Page:
 
 
 def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
-    """Return the stage of the open page."""
+    """Return the open page's stage."""
     record, page = view.record, open_page(view.record)
     if page.task is not None:
         return PageStage.PASSED if record.has_passed(page.id) else PageStage.TO_DO
@@ -59,10 +59,10 @@ def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
 
 
 def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
-    """Return the steps missing to a prediction's result.
+    """Return the missing steps to a prediction's result.
 
-    The furthest step of the branch counts, because the run may have gone back. Work on a later page also
-    reveals the result.
+    The branch's furthest step counts, because the run may have gone back. Work on a later page also reveals
+    the result.
     """
     record = None if snapshot.lesson is None else snapshot.lesson.record
     if given.step == NO_STEP or not ask.steps or (record is not None and _is_past(record, given.page)):
@@ -78,7 +78,7 @@ def _is_past(record: LessonRecord, page: str) -> bool:
 
 
 def keeping_page(record: LessonRecord, what: str) -> Page | None:
-    """Return the first page from here on that hides ``what``, or None."""
+    """Return the first page from here on that hides ``what``."""
     if what not in record.hidden:
         return None
     lesson = record.lesson
@@ -90,38 +90,38 @@ def keeping_page(record: LessonRecord, what: str) -> Page | None:
 
 
 def name_of_deed(page: Page) -> str:
-    """Return one word for what ``page`` asks."""
+    """Name in one word what ``page`` asks."""
     if page.prediction is not None:
         return "Guess" if page.guess else "Predict"
     return "Do" if page.task is not None else "Question"
 
 
 def asks_for_program(record: LessonRecord) -> bool:
-    """Return whether the open task needs a program."""
+    """Return whether the task needs a program."""
     task = open_page(record).task
     return task is not None and task.program is not None
 
 
 def turns_to_truth(record: LessonRecord) -> bool:
-    """Return whether the predicted steps happen on the next page."""
+    """Return whether the predicted steps follow on the next page."""
     ask = open_page(record).prediction
     return ask is not None and ask.keys[:1] == ("enter",)
 
 
 def page_place(record: LessonRecord) -> str:
-    """Return the place of the open page, such as 3/9."""
+    """Return the place, such as 3/9."""
     return f"{record.lesson.number_of(record.page) + 1}/{len(record.lesson.pages)}"
 
 
 def progress(record: LessonRecord, cells: int, glyphs: Glyphs) -> str:
-    """Return the place of the open page, with a progress line."""
+    """Return place and progress line."""
     done = round(cells * (record.lesson.number_of(record.page) + 1) / len(record.lesson.pages))
     place = f"page {page_place(record).replace('/', ' of ')}"
     return f"{place} {glyphs.track_done * done}{glyphs.track_rest * (cells - done)}".rstrip()
 
 
 def is_last_page(record: LessonRecord) -> bool:
-    """Return whether the open page is the last one."""
+    """Return whether the last page is open."""
     return record.page == record.lesson.pages[-1].id
 
 
@@ -134,21 +134,21 @@ _MOST_ONE_BY_ONE = 12
 
 
 def number_text(x: float, glyphs: Glyphs) -> str:
-    """Return an answer as people write it: 0.5, 184,616."""
+    """Write an answer: 0.5, 184,616."""
     if x == int(x) and 10_000 <= abs(x) < 1e12:
         return numbers.whole(x, glyphs)
     return numbers.brief(x, glyphs, leading_zero=True)
 
 
 def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
-    """Return the answer to ``ask`` as text."""
+    """Write the answer to ``ask``."""
     if not ask.choices:
         return number_text(answer, glyphs)
     return plain(ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].text)
 
 
 def truth_text(ask: Ask, given: Given, glyphs: Glyphs) -> str:
-    """Return the correct answer after a verdict."""
+    """Write the correct answer after a verdict."""
     if ask.answer is not None:
         return f" – it is {number_text(ask.answer, glyphs)}"
     if given.is_right:
@@ -157,14 +157,14 @@ def truth_text(ask: Ask, given: Given, glyphs: Glyphs) -> str:
 
 
 def in_run_text(in_run: float | str | bool, glyphs: Glyphs) -> str:
-    """Return the result in the run, or why there is none."""
+    """Write the run's result, or its absence."""
     if isinstance(in_run, bool):
         return "yes" if in_run else "no"
     return in_run if isinstance(in_run, str) else number_text(in_run, glyphs)
 
 
 def went_another_way(ask: Ask, in_run: float | str | bool | None) -> bool:
-    """Return whether the run differs from the answer beyond its tolerance."""
+    """Return whether the run differs beyond the answer's tolerance."""
     if in_run is None or ask.choices:
         return False
     return isinstance(in_run, str) or not ask.is_right(float(in_run))
@@ -182,13 +182,13 @@ def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
 
 
 def named_hints(task: Task) -> dict[str, str]:
-    """Return the hints of ``task`` by name, the solution last."""
+    """Return hints by name, the solution last."""
     hints = {f"hint {number} of {len(task.hints)}": each for number, each in enumerate(task.hints, 1)}
     return hints | ({"solution": task.solution} if task.solution else {})
 
 
 def next_hint(record: LessonRecord) -> str:
-    """Return the name of the next hint, or nothing."""
+    """Name the next hint, if any."""
     page = open_page(record)
     names = [] if page.task is None or record.has_passed(page.id) else [*named_hints(page.task)]
     return next(iter(names[record.hints_on(page.id) :]), "")
@@ -205,8 +205,7 @@ def next_keys(
 ) -> tuple[Offer, ...]:
     """Return forms of the keys to press now, enter first.
 
-    ``is_more``: text continues below. ``takes_turns``: a key leads to the world. ``is_manual``: a person
-    acts.
+    ``takes_turns``: a key leads to the world. ``is_manual``: a person acts.
     """
     world: Offer = (("esc", "world"),) if takes_turns else ()
     does: tuple[str, ...]
@@ -237,7 +236,6 @@ def next_keys(
 
 
 def _ways_to_truth(view: LessonView, snapshot: Snapshot, *, is_manual: bool) -> tuple[tuple[str, str], ...]:
-    """Return forms of the keys that lead to the predicted result."""
     ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
     assert ask is not None
     assert given is not None
@@ -258,7 +256,7 @@ def _ways_to_truth(view: LessonView, snapshot: Snapshot, *, is_manual: bool) -> 
 
 
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
-    """Return the progress of the page in one row."""
+    """Summarize the page in one row."""
     record, palette = view.record, look.palette
     page, marks = open_page(record), list(_marks(view, snapshot, look))
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
@@ -308,7 +306,7 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
 
 
 def condition_sign(holds: bool | None, look: Look) -> Piece:
-    """Return the sign of a condition."""
+    """Return a condition's sign."""
     if holds is None:
         return Piece(look.glyphs.ellipsis, look.palette.dim)
     if holds:
@@ -317,7 +315,7 @@ def condition_sign(holds: bool | None, look: Look) -> Piece:
 
 
 def verdict_piece(is_right: bool, look: Look) -> Piece:
-    """Return the verdict as sign and word."""
+    """Return sign and word of a verdict."""
     if is_right:
         return Piece(f"{look.glyphs.holds} right", look.palette.good)
-    return Piece(f"{look.glyphs.fails} not so", look.palette.bad)
+    return Piece(f"{look.glyphs.fails} not right", look.palette.bad)

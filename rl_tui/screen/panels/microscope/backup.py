@@ -1,7 +1,4 @@
-"""The last backup as a tree (Sutton & Barto, 2nd ed., Fig. 3.4).
-
-Below are the sampled target, the expected one, and the difference.
-"""
+"""The last backup as a tree (Sutton & Barto, 2nd ed., Fig. 3.4), above its targets."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.precision import agrees, column_figure, fewest_decimals, leading_zeros, parsed
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Flow, Labelled, Row, Section, Table, Text
 from rl_tui.screen.panels.last_step.words import StepWords
-from rl_tui.screen.panels.model.pair import HIDDEN
+from rl_tui.screen.panels.model import HIDDEN
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
@@ -39,13 +36,11 @@ _MORE: Final = 5  # decimals beyond the fewest
 
 
 def backup_section(words: StepWords, look: Look, *, secret: Sequence[str]) -> Section:
-    """Return the tree with the targets below.
-
-    ``secret``: forms of a text in place of true rewards, empty unless hidden.
-    """
+    """Return the tree above the targets. ``secret``: a text in place of true rewards, if hidden."""
     world, backup = words.story.world, words.story.backup
     if backup is None:
-        return Section(BACKUP_HEADING, [Text(_why_none(words), look.palette.dim)], 1)
+        why = [Text(_why_none(words), look.palette.dim)] if words.estimate else ()
+        return Section(BACKUP_HEADING, why, 1, () if words.estimate else ("none",))
     blocks = [
         *_tree(world, backup, look, secret=bool(secret)),
         *target_blocks(words, backup, look, secret=secret),
@@ -53,13 +48,11 @@ def backup_section(words: StepWords, look: Look, *, secret: Sequence[str]) -> Se
     remarks = () if backup.is_current else ("estimates as they are now", "as they are now")
     if world.mdp is None:
         remarks = ("one sample: other outcomes are unknown", "one sample")
-    return Section(BACKUP_HEADING, blocks, backup_rows(world), remarks)
+    return Section(BACKUP_HEADING, blocks, backup_rows(world) if backup.sampled is not None else 0, remarks)
 
 
 def _why_none(words: StepWords) -> str:
     story = words.story
-    if story.program is None or story.program.table is None or story.reads_by_the_book:
-        return story.terms.waiting
     if story.last.terminated and not story.bootstraps:
         return AFTER_END
     if story.has_equation and words.bootstrap:
@@ -68,7 +61,7 @@ def _why_none(words: StepWords) -> str:
 
 
 def backup_rows(world: World) -> int:
-    """Return the most rows that tree and targets of ``world`` take."""
+    """Return the most rows of tree and targets."""
     return _HEAD_ROWS + _leaf_rows(world) + TARGET_ROWS
 
 
@@ -107,7 +100,6 @@ def _tree(world: World, backup: Backup, look: Look, *, secret: bool) -> Iterator
 
 
 def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
-    """Return the leaves to draw, including what happened, and the rest."""
     if len(leaves) <= MOST_LEAVES:
         return list(leaves), []
     ranked = sorted(enumerate(leaves), key=lambda each: (not each[1].happened, -(each[1].probability or 0.0)))
@@ -121,10 +113,10 @@ def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
 def outcome_table(
     world: World, backup: Backup, leaves: Sequence[Leaf], look: Look, *, is_whole: bool, secret: bool
 ) -> Table:
-    """Return a row for each of ``leaves`` at its branch.
+    """Lay out a row for each of ``leaves`` at its branch.
 
     ``is_whole``: the last branch ends the tree. Dropped first: contributions, then the long head, then
-    remarks. ``secret`` hides true rewards.
+    remarks.
     """
     glyphs, palette = look.glyphs, look.palette
     decimals = _decimals_that_agree(backup, leaves, look)
@@ -177,7 +169,6 @@ def outcome_table(
 
 
 def _went(world: World, backup: Backup, leaves: Sequence[Leaf], look: Look) -> list[str]:
-    """Return the actions that happen if the world slips."""
     meant = int(world.space.pair_action[backup.pair])
     if all(leaf.action in (UNKNOWN_ACTION, meant) for leaf in backup.leaves):
         return []
@@ -201,15 +192,12 @@ def _landing(world: World, leaf: Leaf, look: Look, *, remarks: bool) -> str:
 
 
 def _share(backup: Backup, leaf: Leaf, value: float | None) -> float | None:
-    """Return the outcome's contribution to the expected target, or None."""
     if leaf.probability is None or value is None:
         return None
     return leaf.probability * (leaf.reward + backup.gamma * value)
 
 
 def _decimals_that_agree(backup: Backup, leaves: Sequence[Leaf], look: Look) -> int:
-    """Return the fewest decimals that keep the contributions consistent."""
-
     def agree(decimals: int) -> bool:
         for leaf in leaves:
             share = _share(backup, leaf, leaf.value)
@@ -236,14 +224,13 @@ _MORE_OF_TARGETS: Final = 6
 
 
 def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Sequence[str]) -> Iterator[Block]:
-    """Yield sampled target, expected target and difference.
-
-    ``secret``: forms of a text in place of the expected one, empty unless hidden.
+    """Yield sampled target, expected target and difference. ``secret``: a text in place of the expected one,
+    if hidden.
     """
     dim, planned = look.palette.dim, words.story.last.planned
     if backup.sampled is None:
-        several = "the target spans several steps: one step has no expected target to match it"
-        yield Text(several if words.estimate else words.story.terms.waiting, dim)
+        if words.estimate:
+            yield Text("the target spans several steps, so one step has no expected target", dim)
         return
     decimals = _decimals(backup.sampled, backup.expected, look)
     terms = words.story.terms
@@ -255,7 +242,7 @@ def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Seque
     elif backup.expected is None:
         yield Text(_not_known(words.story), dim)
     elif planned:
-        yield Text("a planner uses the expected target: no luck", dim)
+        yield Text("a planner uses the expected target, without luck", dim)
     else:
         symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
         yield _target("expected", symbols, backup.expected, decimals, look)
@@ -292,7 +279,7 @@ def _reason(story: StepStory, backup: Backup, difference: float) -> str:
     if not backup.is_current:
         return "luck, and what else this step updated"
     if backup.is_certain:
-        return "which action came next" if backup.lookup is Lookup.NEXT else "one outcome, no luck"
+        return "which action came next" if backup.lookup is Lookup.NEXT else "only one possible outcome"
     if abs(difference) < numbers.NEGLIGIBLE:
         targets = {leaf.reward + backup.gamma * (leaf.value or 0.0) for leaf in backup.leaves}
         return "all outcomes have equal value so far" if len(targets) == 1 else "just what was expected"
@@ -308,7 +295,6 @@ def _not_known(story: StepStory) -> str:
 
 
 def _decimals(sampled: float, expected: float | None, look: Look) -> int:
-    """Return the fewest decimals that keep the difference consistent."""
     known = [sampled] if expected is None else [sampled, expected]
     is_large = max(map(abs, known)) >= 1.0
     fewest = _FEWEST if is_large else _FEWEST + max(1, leading_zeros(*known))

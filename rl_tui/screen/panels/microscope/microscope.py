@@ -15,6 +15,7 @@ from rich.segment import Segment
 from textual.binding import BindingType
 from textual.strip import Strip
 
+from rl_tui.common.words import counted
 from rl_tui.live.last_step.step_report import StepStory, story_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.timeline.table_samples import CellHistory
@@ -32,16 +33,9 @@ from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back, passes_too_fast
 from rl_tui.screen.panels.last_step.last_step import nothing_yet
 from rl_tui.screen.panels.last_step.words import StepWords, words_of
+from rl_tui.screen.panels.microscope import update
 from rl_tui.screen.panels.microscope.backup import BACKUP_HEADING, backup_rows, backup_section
-from rl_tui.screen.panels.microscope.update import (
-    RETURN_HEADING,
-    RETURN_ROWS,
-    UPDATE_HEADING,
-    return_section,
-    update_rows,
-    update_section,
-)
-from rl_tui.screen.panels.model.pair import means_key
+from rl_tui.screen.panels.model import means_key
 from rl_tui.screen.theme.look import Look
 
 # The history of a cell
@@ -49,7 +43,7 @@ from rl_tui.screen.theme.look import Look
 
 HISTORY: Final = "History"
 COMING: Final = "loading …"
-NO_CELL: Final = "no cell was updated yet: choose a state with the world's cursor"
+NO_CELL: Final = "this step updated no cell: choose a state with the world's cursor"
 NOT_KEPT: Final = "no history: the table is too large"
 LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
@@ -60,10 +54,7 @@ _HALVES: Final = np.array([ord(each) for each in " '.:"])
 
 
 def history_strips(snapshot: Snapshot, pair: int | None, look: Look, width: int, height: int) -> list[Strip]:
-    """Return the history of ``pair``'s estimate, with a heading.
-
-    The exact value is included unless unknown or hidden.
-    """
+    """Draw a history, and the exact value unless hidden."""
     rows, dim, cell = height - 1, look.palette.dim, snapshot.cell
     if pair is None:
         return _strips([Section(HISTORY, [Text(NO_CELL, dim)], rows)], look, width)
@@ -82,7 +73,6 @@ def history_strips(snapshot: Snapshot, pair: int | None, look: Look, width: int,
 
 
 def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look) -> tuple[str, ...]:
-    """Return forms of current and exact value with equal decimals."""
     q = float(snapshot.agent.q[pair])
     form = number_form([q] if exact is None else [q, exact], _VALUE_COLUMNS)
     now = form.text(q, look.glyphs) if snapshot.agent.holds(pair) else look.glyphs.ellipsis
@@ -95,10 +85,7 @@ def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look)
 
 
 def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int, height: int) -> list[Strip]:
-    """Return the chart of a history. ``exact`` is None if unknown or hidden.
-
-    A value holds until the next step in the history.
-    """
+    """Chart a history, whose values hold until the next step. ``exact`` is None if unknown or hidden."""
     canvas = Canvas(width, height, look.palette.text)
     if width < _LEAST_WIDTH or height < LEAST_HEIGHT or not len(cell.step):
         return canvas.strips()
@@ -137,7 +124,7 @@ def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> Non
 
 
 STEP_HEADING: Final = "The step"
-ENDED: Final = "ended its episode"
+ENDED: Final = "ended the episode"
 STEP_ROWS: Final = 5
 _LABEL: Final = 9
 
@@ -145,7 +132,7 @@ _Form = tuple[str, str, str]  # symbol, value and remark
 
 
 def step_section(words: StepWords, look: Look) -> Section:
-    """Return state, action, reward, next state, and updated cell."""
+    """Return state, action, reward and next state."""
     rows = [
         Labelled(label, look.palette.dim, _LABEL, Row(*(_pieces(form, look) for form in forms)))
         for label, forms in _parts(words)
@@ -176,12 +163,12 @@ def _parts(words: StepWords) -> Iterator[tuple[str, Sequence[_Form]]]:
                 ("s′ = ", words.next_state, ""),
             ],
         )
-    waiting, change = words.story.terms.waiting, f" {words.update.before} → {words.update.after}"
+    change = f" {words.update.before} → {words.update.after}"
     yield (
         "update",
         [(words.estimate, change, remark) for remark in (words.story.algorithm.name, "")]
         if words.estimate
-        else _remarks(f"none: {waiting}", waiting, "none"),
+        else _remarks("none"),
     )
 
 
@@ -197,7 +184,7 @@ def _pieces(form: _Form, look: Look) -> Line:
 
 
 def _moved(words: StepWords) -> list[str]:
-    chance = f"p {words.chance}" if words.chance else ""
+    chance = f"p = {words.chance}" if words.chance else ""
     if not words.went:
         with_wind = [", ".join(filter(None, (words.wind, chance)))] if words.wind else []
         return [*with_wind, chance, ""]
@@ -207,12 +194,18 @@ def _moved(words: StepWords) -> list[str]:
 def _which(story: StepStory) -> Sequence[str]:
     last, step = story.last, f"{story.last.step:,}"
     if last.planned:
-        return f"{step}, {'ended its sweep' if story.ends_episode else f'sweep {last.episode:,}'}", step
+        return f"{step}, {'ended the sweep' if story.ends_episode else f'sweep {last.episode:,}'}", step
     if story.is_bandit:
         return (step,)
-    episode = f"{step}, {ENDED if story.ends_episode else f'episode {last.episode:,}'}"
-    where = "with step" if story.ends_episode else "its step"
-    return f"{episode}, {where} {last.episode_step:,}" if last.episode_step else episode, episode, step
+    if story.ends_episode:
+        within, episode = f"{ENDED} after {counted(last.episode_step, 'step')}", ENDED
+    else:
+        within, episode = (
+            f"step {last.episode_step:,} of episode {last.episode:,}",
+            f"episode {last.episode:,}",
+        )
+    longest = within if last.episode_step else episode
+    return f"{step}, {longest}", f"{step}, {episode}", step
 
 
 # The panel
@@ -225,10 +218,7 @@ _GAP: Final = 2
 
 
 class Microscope(ScrolledPanel):
-    """The last step in sections, in two columns if they fit.
-
-    ``pair`` is the cell of the history.
-    """
+    """The last step in sections, and ``pair``'s history."""
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("microscope")
     title = "Microscope"
@@ -236,7 +226,7 @@ class Microscope(ScrolledPanel):
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot contains the history to show."""
+        """True if the snapshot contains the history."""
         cell = None if self.snapshot is None else self.snapshot.cell
         return self.pair is None or (cell is not None and cell.pair == self.pair)
 
@@ -250,16 +240,13 @@ class Microscope(ScrolledPanel):
 
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:
-    """Return the looked-up pairs to highlight in the table."""
+    """Return the looked-up pairs for the table."""
     story = None if passes_too_fast(snapshot) else story_of(snapshot)
     return frozenset() if story is None else frozenset(story.sources)
 
 
 def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, height: int) -> list[Strip]:
-    """Return all rows of the microscope.
-
-    ``pair`` is the cell of the history, which grows to ``height``.
-    """
+    """Return all rows, with a growing history."""
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns
     story = None if snapshot is None else story_of(snapshot)
@@ -282,16 +269,16 @@ def _sections(snapshot: Snapshot, story: StepStory, look: Look) -> list[Section]
     if passes_too_fast(snapshot):
         return [
             Section(STEP_HEADING, [Text(TOO_FAST, look.palette.dim)], STEP_ROWS),
-            Section(UPDATE_HEADING, rows=update_rows(story.terms)),
+            Section(update.UPDATE_HEADING, rows=update.update_rows(story.terms)),
             Section(BACKUP_HEADING, rows=backup_rows(story.world)),
-            Section(RETURN_HEADING, rows=RETURN_ROWS),
+            Section(update.RETURN_HEADING, rows=update.RETURN_ROWS),
         ]
     words = words_of(story, look.glyphs)
     return [
         step_section(words, look),
-        update_section(words, look),
+        update.update_section(words, look),
         backup_section(words, look, secret=means_key(snapshot)),
-        return_section(story, look),
+        update.return_section(story, look),
     ]
 
 

@@ -1,7 +1,4 @@
-"""The last update in detail, with the sources of its numbers.
-
-The discounted return so far follows (Sutton & Barto, 2nd ed., equation 3.8).
-"""
+"""The last update, with the sources of its numbers (Sutton & Barto, 2nd ed., equation 3.8)."""
 
 from __future__ import annotations
 
@@ -40,7 +37,7 @@ _MOST_DECIMALS: Final = 6
 
 
 def return_section(story: StepStory, look: Look) -> Section:
-    """Return the return so far, with first and last terms."""
+    """Return the return so far."""
     remarks = (f"t = {story.steps:,}",) if story.rewards and not story.last.planned else ()
     return Section(RETURN_HEADING, [*_return_blocks(story, look)], RETURN_ROWS, remarks)
 
@@ -55,7 +52,7 @@ def _return_blocks(story: StepStory, look: Look) -> Iterator[Block]:
         return
     is_known = len(rewards) == story.steps
     undiscounted = Piece(numbers.brief(sum(rewards), look.glyphs, decimals=4), palette.text)
-    if has_open_discount(story):
+    if story.program is not None and story.program.verdict.update.gamma is None:
         start = " " if is_known else f" of the last {len(rewards):,} steps, "
         yield Row([Piece(f"{start}undiscounted ", palette.dim), Piece(undiscounted.text, palette.strong)])
         declared, program = "", story.program
@@ -75,16 +72,11 @@ def _return_blocks(story: StepStory, look: Look) -> Iterator[Block]:
     yield Text(_meaning(story), palette.dim)
 
 
-def has_open_discount(story: StepStory) -> bool:
-    """Return whether a program's γ is unknown."""
-    return story.program is not None and story.program.verdict.update.gamma is None
-
-
 def _meaning(story: StepStory) -> str:
     if story.is_bandit:
         return "each pull is an episode: its return is r"
     if not story.has_one_gamma:
-        return "γ changed in this episode: each step uses the γ of its time"
+        return "γ changed in this episode: each step uses its own γ"
     return "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 
 
@@ -112,7 +104,6 @@ def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, roo
 
 
 def _rounded(rewards: Sequence[float], gamma: float, total: str, look: Look, most: int) -> list[float]:
-    """Return ``rewards`` with the fewest decimals that add up to ``total``."""
     rounded: list[float] = []
     for decimals in range(_FEWEST_DECIMALS, most + 1):
         rounded = [round(reward, decimals) or reward for reward in rewards]
@@ -130,7 +121,6 @@ def _joined(terms: Sequence[str]) -> str:
 
 
 def _term(rewards: Sequence[float], skipped: int, place: int, gamma: float, look: Look) -> str:
-    """Return ``.99²·1``, a discounted reward."""
     reward = numbers.brief(rewards[place - skipped], look.glyphs)
     if place == 0:
         return reward
@@ -141,7 +131,7 @@ def _term(rewards: Sequence[float], skipped: int, place: int, gamma: float, look
 
 
 def power(base: float, exponent: int, look: Look) -> str:
-    """Return ``.99²``, or ``.99^2`` in ASCII."""
+    """Write ``.99²``, or ``.99^2`` in ASCII."""
     text = setting(base, look.glyphs)
     if exponent == 1:
         return text
@@ -163,14 +153,11 @@ _GAP: Final = "   "
 
 
 def update_section(words: StepWords, look: Look) -> Section:
-    """Return the update in numbers with their sources."""
+    """Return the update's numbers and their sources."""
     terms = words.story.terms
     if not words.estimate:
-        blocks: list[Block] = [Text(terms.waiting, look.palette.text)]
-    elif not words.story.has_equation:
-        blocks = _change_blocks(words, look)
-    else:
-        blocks = _equation_blocks(words, look)
+        return Section(UPDATE_HEADING, [Text(f"none: {terms.waiting}", look.palette.text)])
+    blocks = _equation_blocks(words, look) if words.story.has_equation else _change_blocks(words, look)
     return Section(UPDATE_HEADING, blocks, update_rows(terms))
 
 
@@ -191,7 +178,7 @@ def _equation_blocks(words: StepWords, look: Look) -> list[Block]:
 
 
 def update_rows(terms: UpdateTerms) -> int:
-    """Return the usual rows of an update."""
+    """Count the usual rows of an update."""
     return _LEAST_ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
 
 
@@ -214,7 +201,6 @@ def _change_blocks(words: StepWords, look: Look) -> list[Block]:
 
 
 def _evidence(story: StepStory, look: Look) -> list[Block]:
-    """Return the update that fits a program, with its evidence."""
     if story.program is None:
         return []
     update, dim = story.program.verdict.update, look.palette.dim
@@ -231,7 +217,6 @@ def _evidence(story: StepStory, look: Look) -> list[Block]:
 
 
 def _terms(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
-    """Yield δ, and details missing above the numbers."""
     story, update, palette = words.story, words.update, look.palette
     yield [Piece(" δ = ", palette.dim), Piece(update.error, error_style(words, look))]
     if "/" in update.step_size:
@@ -246,7 +231,6 @@ def _terms(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
 
 
 def _mixture(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
-    """Yield a weighted mean, ``.58 = .925·.62 + .025·.31``."""
     story, palette, glyphs = words.story, look.palette, look.glyphs
     is_mean = words.bootstrap and story.terms.lookup is Lookup.MEAN
     if not is_mean or not 1 < len(story.sources) <= _MOST_CELLS:
@@ -258,7 +242,6 @@ def _mixture(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
 
 
 def _mixed(words: StepWords, glyphs: Glyphs) -> list[tuple[str, str]]:
-    """Return weights and estimates, with decimals that give the bootstrap."""
     mixed = dict(zip(words.story.sources, words.story.looked_up, strict=True))
     shown: list[tuple[str, str]] = []
     for decimals in range(_FEWEST, _MOST + 1):
@@ -286,4 +269,4 @@ def _looked_up(words: StepWords, look: Look) -> str:
     if story.last.planned or story.terms.lookup is Lookup.MEAN or not pairs:
         return words.bootstrap
     name = names.action_name(story.world, int(story.world.space.pair_action[pairs[0]]), look.glyphs)
-    return f"{words.bootstrap}: {name if len(pairs) == 1 else f'one of {len(pairs)} equal'}"
+    return f"{words.bootstrap}: {name if len(pairs) == 1 else f'one of {len(pairs)} tied'}"

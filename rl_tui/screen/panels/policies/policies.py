@@ -1,4 +1,4 @@
-"""The panel of policies: exact returns, and the cost of exploring."""
+"""Exact returns of policies."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from rl_tui.worlds.drawing import Arms
 
 
 class PolicyColumn(NamedTuple):
-    """A number of every policy: its field and head."""
+    """A number of every policy."""
 
     id: str
     head: str
@@ -51,7 +51,7 @@ FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 
 
 def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
-    """Yield tables with a row per policy, from spaced bars to none."""
+    """Yield tables, from spaced bars to none."""
     known = known_answers(snapshot)
     figures = _figures(snapshot, known)
     found = [getattr(each, figure.id) for each in known for figure in figures if figure is not ENDS]
@@ -63,7 +63,7 @@ def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
         for kind, name in POLICY_NAMES.items()
     ]
     named = Column("", names, look.palette.text, right=False, gap=0)
-    column = cache(partial(_column, snapshot, look))
+    column = cache(partial(_column, snapshot, look, 1 if len(figures) > _MOST_APART else 2))
     most = min(WIDEST, max(WIDEST - 2, needed))
     # numbers are shortened before the last columns are dropped
     forms: list[Columns] = [
@@ -98,19 +98,17 @@ def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyCo
 
 
 def _first(figures: Sequence[PolicyColumn], count: int) -> Sequence[PolicyColumn]:
-    """Return the ``count`` most important columns."""
     return sorted(figures, key=(RETURN, REWARD, VALUE, ENDS, STEPS).index)[:count]
 
 
-def _column(snapshot: Snapshot, look: Look, figure: PolicyColumn, cells: int) -> Column:
+def _column(snapshot: Snapshot, look: Look, gap: int, figure: PolicyColumn, cells: int) -> Column:
     width = max(cells - (not figure.has_sign), len(figure.head))
     texts = [_said(snapshot, kind, figure, width, look) for kind in POLICY_NAMES]
     style = look.palette.strong if figure.id == RETURN.id else look.palette.text
-    return Column(figure.head, texts, style, width=width)
+    return Column(figure.head, texts, style, gap=gap, width=width)
 
 
 def _said(snapshot: Snapshot, kind: PolicyKind, figure: PolicyColumn, cells: int, look: Look) -> str:
-    """Return a number, or a dash (none), … (pending), ? (hidden)."""
     if is_kept_back(snapshot, kind):
         return "?"
     answer = answer_of(snapshot, kind)
@@ -132,7 +130,7 @@ _CHOOSE: Final = "screen.do('policies.choose({})')"
 
 @dataclass
 class PolicyChosen(Message):
-    """A person chose the policy ``kind`` with the mouse."""
+    """A person clicked the policy ``kind``."""
 
     kind: PolicyKind
 
@@ -150,7 +148,7 @@ class Policies(Panel, can_focus=True):
     _places: Sequence[int] = ()  # the picture row of each policy
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return answer, table and notes."""
+        """Draw answer, table and notes."""
         self.heading = self.fitting(self._headings(snapshot), width)
         self._places = ()
         palette = self.look.palette
@@ -214,11 +212,12 @@ WITHOUT_LIMIT: Final = "without the limit"
 AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
 THAN_OPTIMAL: Final = "than optimal"
 _NO_ENDING: Final = 0.9995  # probabilities from here on are written as 100 %
+_MOST_APART: Final = 3  # columns with two blanks between them
 WIDEST: Final = 8  # cells of the widest number
 
 
 def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
-    """Yield the notes below the table, most important first."""
+    """Yield the notes, most important first."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
         yield f"hidden, since returns reveal the arms: {shown_by(snapshot, 'them')}"
@@ -241,7 +240,7 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
 
 
 def amount(x: float, look: Look, width: int = WIDEST) -> str:
-    """Return an exact number in ``width`` cells."""
+    """Write an exact number in ``width`` cells."""
     return numbers.figure(x, width, look.glyphs)
 
 
@@ -251,17 +250,17 @@ def answer_of(snapshot: Snapshot, kind: PolicyKind) -> PolicyAnswer:
 
 
 def known_answers(snapshot: Snapshot) -> list[PolicyAnswer]:
-    """Return the known answers that are not hidden."""
+    """Return all answers that are not hidden."""
     return [answer_of(snapshot, kind) for kind in POLICY_NAMES if not is_kept_back(snapshot, kind)]
 
 
 def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
-    """Return whether an episode of any policy may not end."""
+    """Return whether some episode may not end."""
     return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 
 def gaps(snapshot: Snapshot, look: Look) -> Iterator[str]:
-    """Yield how far greedy is from optimal, and the cost of exploring."""
+    """Yield the distance from optimal, and the cost of exploring."""
     acts, greedy, best = (
         None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
         for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
@@ -277,7 +276,6 @@ def gaps(snapshot: Snapshot, look: Look) -> Iterator[str]:
 
 
 def _exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
-    """Return the cost, or gain, of exploring with the current ε."""
     values = snapshot.agent.hyperparameters
     rate = ""
     if POLICY_BY_ID[values.policy].explores_by_epsilon:

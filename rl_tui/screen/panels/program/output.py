@@ -1,4 +1,4 @@
-"""The output of a watched program, with steps and traceback."""
+"""A watched program's output."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from textual.strip import Strip
 from rl_tui.common.findings import one_line, printable
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import Line, Piece, shortened, strips_of
+from rl_tui.screen.draw.canvas import Line, Piece, shortened, strips_of, wrapped
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
-from rl_tui.screen.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, is_own, place_text
+from rl_tui.screen.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, code_around, place_text
 from rl_tui.screen.theme.look import Look
 
 NOTHING_WRITTEN: Final = "your program has printed nothing yet: space runs it"
@@ -29,14 +29,14 @@ _MOST_KEPT: Final = 2_048  # the same lines are drawn in every frame
 
 
 class OutputPanel(ScrolledPanel):
-    """The lines of output. The last stays visible until scrolled."""
+    """Lines of output, the last visible until scrolled."""
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("output")
     title = "Output"
     _follows = True
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return all rows of the page, oldest line first."""
+        """Return all rows, oldest line first."""
         program = None if snapshot is None else snapshot.program
         if program is None:
             return []
@@ -49,7 +49,7 @@ class OutputPanel(ScrolledPanel):
         ]
         ending = _ending(program, self.look, width)
         if not rows and not ending:
-            ending = [[Piece(f" {NOTHING_WRITTEN}", self.look.palette.dim)]]
+            ending = [*wrapped(NOTHING_WRITTEN, width, self.look.palette.dim, self.look)]
         rows += strips_of(ending, width, len(ending), self.look)
         if self._follows:
             self._first = max(0, len(rows) - height)
@@ -95,9 +95,7 @@ def _ending(program: ProgramView, look: Look, width: int) -> list[Line]:
     lines += [
         [Piece(f" {part}", palette.bad)] for part in broken(in_characters(said, look), room, _MOST_ROWS)
     ]
-    if error.line is not None and is_own(error.file, program):
-        lines += source_lines(program.source, error.line, look, width)
-    return lines
+    return lines + source_lines(*code_around(error.file, error.line, program), look, width)
 
 
 def _calls(traceback: str) -> Sequence[str]:
@@ -115,15 +113,12 @@ _ROOMY: Final = 48  # columns
 
 
 def safe_line(text: str) -> str:
-    """Return a line without tabs and control characters."""
+    """Remove tabs and control characters."""
     return printable(text[:_LONGEST].rstrip("\r\n").expandtabs(_TAB))
 
 
 def broken(text: str, room: int, most: int) -> Iterator[str]:
-    """Yield ``text`` in 1 to ``most`` parts of at most ``room`` cells.
-
-    A part ends after a blank in its second half, if any.
-    """
+    """Break ``text`` into 1 to ``most`` parts of ``room`` cells."""
     for _ in range(most):
         part = text
         while len(part) > 1 and cell_len(part) > room:
@@ -138,12 +133,12 @@ def broken(text: str, room: int, most: int) -> Iterator[str]:
 
 
 def in_characters(text: str, look: Look) -> str:
-    """Return ``text`` in the available characters."""
+    """Replace unavailable characters."""
     return text if look.glyphs.name != "ascii" else text.encode("ascii", "replace").decode("ascii")
 
 
 def source_lines(source: Sequence[str], line: int, look: Look, width: int) -> list[Line]:
-    """Return ``line`` (from 1) of ``source``, marked, with its neighbours.
+    """Return ``line`` (from 1), marked, with its neighbours.
 
     Common indentation is removed. Narrow panels halve the rest.
     """

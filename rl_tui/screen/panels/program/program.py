@@ -1,4 +1,4 @@
-"""The panel of a watched program: table, update, findings."""
+"""The panel of a watched program."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rl_tui.screen.draw.canvas import Line, Piece, length, spelled, strips_of
 from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.blocks import Block, Row, Text, lines_of
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.panels.program.findings import NO_JUDGEMENT, WORTH_SAYING
+from rl_tui.screen.panels.program.findings import NO_JUDGEMENT, WORTH_SAYING, nothing_wrong
 from rl_tui.screen.panels.program.words import (
     IN_SHORT,
     LONGEST_NAME,
@@ -27,6 +27,7 @@ from rl_tui.screen.panels.program.words import (
     exploration_texts,
     fit_texts,
     fitting_numbers,
+    in_brief,
     is_early,
     name_of,
     notes_of,
@@ -40,6 +41,7 @@ from rl_tui.screen.panels.program.words import (
 from rl_tui.screen.theme.look import Look
 
 LOOKED_FOR_LATER: Final = "its table is found while it learns"
+NO_TABLE_YET: Final = "no table found yet"
 NO_TABLE: Final = "no table found"
 UNKNOWN: Final = "update not known"
 _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a common value; yours is not known yet"}
@@ -50,41 +52,38 @@ _HINTS: Final = ("a f findings · a w output", "a f · a w")
 
 
 class _Part(NamedTuple):
-    """Some blocks, cut after ``most`` lines. High ``rank`` is dropped first."""
+    """Some blocks, cut after ``most`` lines. High ``rank`` is dropped first.
+
+    ``shorter``: forms that replace blocks of too many lines.
+    """
 
     rank: int
     blocks: Sequence[Block]
     most: int = 99
     more: str = ""
+    shorter: Sequence[Sequence[Block]] = ()
 
 
 class ProgramPanel(Panel):
-    """The main facts about a program in a few lines."""
+    """The main facts about a program."""
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of the program."""
+        """Draw the program."""
         program = None if snapshot is None else snapshot.program
         name = "Program" if program is None else f"Program · {name_of(program)}"
         self.heading = self.fitting((*self.captioned(name), name, "Program"), width)
         self.footing = "" if program is None else self.fitting(_HINTS, width)
-        lines: list[Line] = []
-        if snapshot is not None and program is not None:
-            lines = program_lines(snapshot, program, self.look, width, height)
-        self.free_rows = height - len(lines)
-        return strips_of(lines, width, height, self.look)
-
-
-def program_lines(
-    snapshot: Snapshot, program: ProgramView, look: Look, width: int, height: int
-) -> list[Line]:
-    """Return up to ``height`` lines of ``width`` cells."""
-    parts = list(_parts(snapshot, program, look))
-    shown: dict[int, list[Line]] = {}
-    for place in sorted(range(len(parts)), key=lambda place: parts[place].rank):
-        part, room = parts[place], height - sum(map(len, shown.values()))
-        lines = _cut(lines_of(part.blocks, width, look), part.most, look, width)
-        shown[place] = _cut(lines, room, look, width, part.more)
-    return [line for place in range(len(parts)) for line in shown[place]]
+        parts = [] if snapshot is None or program is None else [*_parts(snapshot, program, self.look)]
+        shown: dict[int, list[Line]] = {}
+        for place in sorted(range(len(parts)), key=lambda place: parts[place].rank):
+            part, room = parts[place], height - sum(map(len, shown.values()))
+            forms = [lines_of(each, width, self.look) for each in (part.blocks, *part.shorter)]
+            whole = next((lines for lines in forms if len(lines) <= min(part.most, room)), forms[0])
+            lines = _cut(whole, part.most, self.look, width)
+            shown[place] = _cut(lines, room, self.look, width, part.more)
+        found = [line for place in range(len(parts)) for line in shown[place]]
+        self.free_rows = height - len(found)
+        return strips_of(found, width, height, self.look)
 
 
 def _cut(lines: list[Line], rows: int, look: Look, width: int, more: str = "") -> list[Line]:
@@ -132,10 +131,12 @@ def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Pa
     if texts := update_texts(update, look.glyphs):
         yield _Part(2, row(texts, palette.strong), _REASON_ROWS)
     elif program.table is not None:
-        reason = f": {clause(update.reason)}" if update.reason else ""
+        reason = clause(update.reason)
         known = fitting_numbers(update, look.glyphs)
         start = f"update known in part, {known}" if known else UNKNOWN if reason else f"{UNKNOWN} yet"
-        yield _Part(2, text(f"{start}{reason}", palette.text), _REASON_ROWS)
+        forms = [f"{start}: {form}" if form else start for form in (reason, in_brief(reason))]
+        whole, brief = (text(form, palette.text) for form in forms)
+        yield _Part(2, whole, _REASON_ROWS, shorter=[brief])
     is_open, fits = open_text(update, look.glyphs), fit_texts(update)
     forms = [" · ".join(filter(None, (each, is_open))) for each in fits]
     yield _Part(6, row([*forms, *fits], palette.dim))
@@ -147,15 +148,18 @@ def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Pa
     elif steps >= WORTH_SAYING and program.table is not None:
         yield _Part(3, row(_nothing_wrong(program, steps), palette.dim))
     if program.gamma is not None and program.gamma_source in _GAMMA_FROM:
-        source = f"for γ {number_text(program.gamma, look.glyphs)}: {_GAMMA_FROM[program.gamma_source]}"
-        yield _Part(7, row((f"exact values are {source}", f"exact {source}"), palette.dim))
+        gamma = f"for γ {number_text(program.gamma, look.glyphs)}"
+        source = f"{gamma}: {_GAMMA_FROM[program.gamma_source]}"
+        forms = [f"exact values are {source}", f"exact {source}", f"exact values {gamma}"]
+        yield _Part(7, row(forms, palette.dim))
     if program.table is not None and (others := program.table.others):
         listed = ", ".join(one_line(each, LONGEST_NAME) for each in others[:4])
         forms = [f"a b chooses another table: {listed}", f"a b: another table ({len(others):,})"]
         yield _Part(7, row(forms, palette.dim))
     if notes := notes_of(program):
         count = f"note 1 of {len(notes):,}: " if len(notes) > 1 else "note: "
-        yield _Part(8, text(f"{count}{notes[0]}", palette.dim), more=" a f shows it")
+        brief = text(f"{count}{in_brief(notes[0])}   a f shows it", palette.dim)
+        yield _Part(8, text(f"{count}{notes[0]}", palette.dim), more=" a f shows it", shorter=[brief])
 
 
 def _table(program: ProgramView, steps: int) -> Sequence[str]:
@@ -164,7 +168,10 @@ def _table(program: ProgramView, steps: int) -> Sequence[str]:
         tables = table_texts(program.table)
         return *(f"{environment} · {each}" for each in tables[:2]), *tables
     if not steps:
-        return f"{environment} · {LOOKED_FOR_LATER}", LOOKED_FOR_LATER
+        return f"{environment} · {LOOKED_FOR_LATER}", LOOKED_FOR_LATER, NO_TABLE_YET
+    if program.wanted:
+        wanted = f"{NO_TABLE} named {one_line(program.wanted, LONGEST_NAME)}"
+        return f"{wanted} where env.step was called", wanted, NO_TABLE
     start = f"{environment} · {NO_TABLE}" if environment else NO_TABLE
     hint = [f"{start}: a f shows the search"] if program.looked_for else []
     return *hint, start, NO_TABLE
@@ -185,7 +192,7 @@ def _nothing_wrong(program: ProgramView, steps: int) -> Sequence[str]:
     update = program.verdict.update
     if is_early(update):
         return f"{NO_JUDGEMENT}   a f shows what was examined", NO_JUDGEMENT
-    found = f"nothing wrong found in {steps:,} steps"
+    found = f"{nothing_wrong(program)} in {steps:,} steps"
     if update.rule is Rule.UNKNOWN:
         return f"{found}, as far as known   a f shows how far", f"{found}, as far as known", found
-    return f"{found}   a f shows what was examined", found
+    return f"{found}   a f shows what was examined", found, nothing_wrong(program)

@@ -1,4 +1,4 @@
-"""Texts about a watched program: table, update, findings."""
+"""Texts about a watched program."""
 
 from __future__ import annotations
 
@@ -32,13 +32,14 @@ IN_SHORT: Final = {
     CodeFault.UPDATES_AFTER_MOVING: "updates the state it moved to",
     CodeFault.SHIFTED_REWARD: "uses the previous reward",
     CodeFault.ROUNDING_TABLE: "the table holds integers",
-    CodeFault.SHARED_TABLE: "rows are one object",
+    CodeFault.SHARED_TABLE: "rows share one object",
     CodeFault.GAMMA_TWICE: "discounts twice",
     CodeFault.WRONG_FORMULA: "a wrong sign or factor",
     CodeFault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
     CodeFault.WRONG_CELL: "updates another cell",
     CodeFault.LOSES_UPDATE: "loses its updates",
-    CodeFault.STEPS_AFTER_END: "steps on after the end",
+    CodeFault.STEPS_AFTER_END: "continues after the end",
+    CodeFault.WRONG_TABLE: "reads one of two tables only",
     CodeFault.FIRST_OF_TIES: "takes the first of ties",
     CodeFault.NEVER_EXPLORES: "never explores",
 }
@@ -48,6 +49,7 @@ _RULES: Final = {
     Rule.Q_LEARNING: "Q-learning",
     Rule.SARSA: "SARSA",
     Rule.EXPECTED_SARSA: "Expected SARSA",
+    Rule.DOUBLE_Q: "Double Q-learning",
     Rule.MONTE_CARLO: "Monte Carlo",
 }
 _BOOTSTRAPS: Final = {
@@ -60,6 +62,9 @@ _BOOTSTRAPS: Final = {
     UpdateTarget.INDEX: "argmax Q(s′,·)",
     UpdateTarget.ALLOWED: "max Q(s′, allowed)",
     UpdateTarget.DRAWN: "Q(s′,b)",
+    UpdateTarget.BEST_BY_OTHER: "Q₂(s′,argmax Q₁(s′,·))",
+    UpdateTarget.OTHER_BEST: "max Q₂(s′,·)",
+    UpdateTarget.OTHERS_CHOICE: "Q₁(s′,argmax Q₂(s′,·))",
     UpdateTarget.NOTHING: "",
 }
 _CELLS: Final = {MovedCell.TAKEN: "Q(s,a)", MovedCell.MOVED: "Q(s′,a)", MovedCell.ONE_LATE: "Q(s,a)"}
@@ -72,16 +77,16 @@ _FORMS: Final = {
 
 
 def name_of(program: ProgramView) -> str:
-    """Return the short, printable name of the program."""
+    """Return the program's short, printable name."""
     return one_line(program.title or Path(program.path).name, LONGEST_NAME)
 
 
 def table_texts(table: FoundTable) -> tuple[str, ...]:
-    """Return forms of the table: ``table q: array 16×4, float64``.
+    """Return forms of ``table q: array 16×4, float64``.
 
     A dictionary has no shape, because it grows with visited states.
     """
-    name = one_line(table.name, LONGEST_NAME)
+    name = one_line(", ".join(filter(None, (table.name, table.other))), LONGEST_NAME)
     form = form_text(table.form)
     grows = table.form.startswith("dict")
     shape = "" if grows else " " + "×".join(map(str, table.shape[:4]))
@@ -90,26 +95,24 @@ def table_texts(table: FoundTable) -> tuple[str, ...]:
 
 
 def form_text(form: str) -> str:
-    """Return the ``form`` in words: ``list of lists``."""
+    """Write the ``form``: ``list of lists``."""
     return _FORMS.get(form, one_line(form, LONGEST_NAME))
 
 
 def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return forms of the update in the book's symbols.
-
-    An unknown α or γ stays a letter.
-    """
+    """Return the update, with letters for unknown α or γ."""
     if update.rule is Rule.UNKNOWN:
         return ()
     alpha = "1/N" if update.alpha_schedule == "1/N" else "α"
     alpha = alpha if update.alpha is None else number_text(update.alpha, glyphs)
     alpha = f"({alpha})" if alpha.startswith(glyphs.minus) else alpha
-    cell, rule = _CELLS[update.place], _RULES[update.rule]
+    cell, rule, bootstrap = _CELLS[update.place], _RULES[update.rule], _BOOTSTRAPS[update.target]
+    if update.rule is Rule.DOUBLE_Q:  # Q₁ is the table that changes
+        cell, bootstrap = cell.replace("Q(", "Q₁("), bootstrap.replace("Q(", "Q₁(")
     if update.rule is Rule.MONTE_CARLO:
         gain = "G"
     else:
         reward = "previous r" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
-        bootstrap = _BOOTSTRAPS[update.target]
         gamma = "γ" if update.gamma is None else number_text(update.gamma, glyphs)
         gain = f"{reward} + {gamma}·{bootstrap}" if bootstrap else reward
     step = f"{alpha}·({gain} − {cell})"
@@ -118,20 +121,26 @@ def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
 
 
 def clause(sentence: str) -> str:
-    """Return ``sentence`` as a clause."""
+    """Turn ``sentence`` into a clause."""
     text = one_line(sentence, LONGEST_SENTENCE).removesuffix(".")
     is_word = text[:1].isupper() and (text[1:2].islower() or text[1:2] == " ")
     return text[:1].lower() + text[1:] if is_word else text
 
 
+def in_brief(reason: str) -> str:
+    """Drop the details after the last colon, if any."""
+    brief, _, details = reason.rpartition(": ")
+    return brief or details
+
+
 def sentence(text: str) -> str:
-    """Return ``text`` with a full stop. Its first letter may belong to a name."""
+    """Add a full stop. The first letter may belong to a name."""
     line = one_line(text, LONGEST_SENTENCE)
     return line if line.endswith((".", "…")) else f"{line}."
 
 
 def notes_of(program: ProgramView) -> list[str]:
-    """Return one sentence per unknown fact and per workaround, without repeats."""
+    """Describe each unknown fact and workaround."""
     update = program.verdict.update
     notes, known = [*program.verdict.notes, *program.notes], update.reason.removesuffix(".")
     return [
@@ -142,20 +151,20 @@ def notes_of(program: ProgramView) -> list[str]:
 
 
 def fitting_numbers(update: UpdateFound, glyphs: Glyphs) -> str:
-    """Return known α and γ: ``α .1, γ .99``."""
+    """Write known α and γ: ``α .1, γ .99``."""
     known = (("α", update.alpha), ("γ", update.gamma))
     return ", ".join(f"{sign} {number_text(x, glyphs)}" for sign, x in known if x is not None)
 
 
 def is_early(update: UpdateFound) -> bool:
-    """Return whether too little is known to judge an update."""
+    """Return whether an update cannot be judged yet."""
     reason = update.reason.removesuffix(".")
     is_open = update.rule is Rule.UNKNOWN and update.alpha is None and update.gamma is None
     return is_open and (not reason or reason.endswith(" yet"))
 
 
 def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
-    """Return what the equation omits, such as an unknown γ."""
+    """Name what the equation omits."""
     parts = []
     if update.alpha is None and update.alpha_schedule == "by-episode":
         parts.append("α varies by episode")
@@ -169,7 +178,7 @@ def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
 
 
 def exploration_texts(exploration: ExplorationFound | None, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return forms of ε as used beside ε as written, none without both."""
+    """Return ε as used beside ε as written, none without both."""
     if exploration is None or exploration.written is None:
         return ()
     used, low, high = (
@@ -184,14 +193,14 @@ def exploration_texts(exploration: ExplorationFound | None, glyphs: Glyphs) -> t
 
 
 def number_text(x: float, glyphs: Glyphs) -> str:
-    """Return a number with up to four decimals."""
+    """Write up to four decimals."""
     if abs(x) >= 1e-3 or not x:
         return numbers.brief(x, glyphs, decimals=4)
     return numbers.scientific(x, 2, glyphs)
 
 
 def fit_texts(update: UpdateFound) -> tuple[str, ...]:
-    """Return forms of how well the update fits."""
+    """Describe how well the update fits."""
     if update.fits is None:
         return ()
     fits = f"fits {share_text(update.fits)} of steps"
@@ -203,19 +212,19 @@ def fit_texts(update: UpdateFound) -> tuple[str, ...]:
 
 
 def share_text(share: float) -> str:
-    """Return a share in percent, 100 only if complete."""
+    """Write percent, 100 only if complete."""
     if share >= 1.0:
         return "100 %"
     return f"{min(99.99, share * 100):.2f}".rstrip("0").rstrip(".") + " %"
 
 
 def ranked(findings: Sequence[CodeFinding]) -> list[CodeFinding]:
-    """Return ``findings``, worst first."""
+    """Sort ``findings``, worst first."""
     return sorted(findings, key=lambda each: (each.kind == "risk", each.certainty == "declared", each.step))
 
 
 def counted(findings: Sequence[CodeFinding]) -> str:
-    """Return the counts: ``1 bug, 2 risks``."""
+    """Write the counts: ``1 bug, 2 risks``."""
     faults = sum(each.kind == "fault" for each in findings)
     counts = ((faults, "bug"), (len(findings) - faults, "risk"))
     return ", ".join(f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count)
@@ -228,6 +237,21 @@ def is_own(file: str, program: ProgramView) -> bool:
 
 
 def place_text(file: str, line: int | None, program: ProgramView) -> str:
-    """Return ``line 12``, with a foreign file's name."""
+    """Return ``line 12``, or ``cell 5, line 3``, with a foreign file's name."""
+    if line is not None and program.notebook is not None and is_own(file, program):
+        return program.notebook.place_in_words(line)
     name = "" if is_own(file, program) else f"{one_line(Path(file).name, LONGEST_NAME)}, "
     return f"{name}line {line:,}" if line is not None else name.removesuffix(", ")
+
+
+def code_around(file: str, line: int | None, program: ProgramView) -> tuple[Sequence[str], int]:
+    """Return the lines of the file or notebook cell, and where ``line`` is there.
+
+    Only the program's own source is known: elsewhere there are no lines.
+    """
+    if line is None or not is_own(file, program):
+        return (), 0
+    if program.notebook is None:
+        return program.source, line
+    cell, within = program.notebook.place(line)
+    return cell.code, within

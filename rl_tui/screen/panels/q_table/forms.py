@@ -1,4 +1,4 @@
-"""The forms of a Q-table: a matrix, or a list of pairs."""
+"""A Q-table as a matrix, or as a list."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _AROUND_LABEL: Final = 2  # the agent's mark before it, a blank after it
 
 @dataclass(frozen=True, slots=True)
 class MatrixForm:
-    """A matrix with ``field`` cells per number, ``label`` per state name."""
+    """A matrix with ``field`` cells per number, ``label`` per name."""
 
     scene: Scene
     blocks: int
@@ -45,16 +45,16 @@ class MatrixForm:
 
     @property
     def block_width(self) -> int:
-        """The width of a block in cells."""
+        """The cells of a block."""
         return self.label + _AROUND_LABEL + len(self.scene.world.action_names) * self._column
 
     @property
     def entries(self) -> int:
-        """The number of entries, one per live state."""
+        """The number of live states."""
         return len(self.scene.world.live)
 
     def heads(self) -> list[Pieces]:
-        """Return the action names above their columns, in two rows if names of two words need them."""
+        """Return the action names, maybe in two rows."""
         names = [self.scene.world.action_names[action] for action in self.scene.world.shown_actions]
         if not any(" " in name and cell_len(name) > self.field + _MARKS for name in names):
             return [self._heads(names)]
@@ -74,12 +74,12 @@ class MatrixForm:
         return [Segment(text, self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
-        """Return the row of a state, blank for unavailable actions."""
+        """Return a state's row."""
         scene, world, shown = self.scene, self.scene.world, self.scene.shown
         palette = scene.look.palette
         state = int(world.live[entry])
         pairs = world.space.pairs_of(state)
-        here = state == scene.state
+        here = state == scene.snapshot.counters.state
         name = aligned_right(world.state_name(state, self.label), self.label)
         style = palette.strong if here else palette.dim
         pieces = [
@@ -101,7 +101,7 @@ class MatrixForm:
         return pieces
 
     def pairs_in(self, entry: int) -> range:
-        """Return the pairs of the state."""
+        """Return the state's pairs."""
         return self.scene.world.space.pairs_of(int(self.scene.world.live[entry]))
 
     def entry_of(self, state: int) -> int:
@@ -109,11 +109,11 @@ class MatrixForm:
         return self.scene.world.row_of(state)
 
     def entry_of_pair(self, pair: int) -> int:
-        """Return the row of the state of ``pair``."""
+        """Return the pair's row."""
         return self.scene.world.row_of(self.scene.world.space.state_of(pair))
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
-        """Return the nearest pair that far below or right."""
+        """Return the nearest pair that far away."""
         world, state = self.scene.world, self.scene.world.space.state_of(pair)
         if rows:
             row = max(0, min(self.entries - 1, world.row_of(state) + rows))
@@ -122,7 +122,7 @@ class MatrixForm:
         return pairs[max(0, min(len(pairs) - 1, pairs.index(pair) + columns))]
 
     def pair_at(self, entry: int, x: int) -> int | None:
-        """Return the pair at column ``x``, or None."""
+        """Return the pair here, or None."""
         column = (x - self.label - _AROUND_LABEL) // self._column
         if not 0 <= column < len(self.scene.world.shown_actions):
             return None
@@ -131,10 +131,7 @@ class MatrixForm:
 
 
 def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
-    """Return the form for ``width`` cells and ``lines`` rows, or None.
-
-    Several blocks are used only to avoid scrolling.
-    """
+    """Return the form if it fits. Several blocks are used only to avoid scrolling."""
     needed = -(-len(scene.world.live) // max(1, lines))
     if needed > 1:
         least = LEAST_FIELD if _fits_narrow(scene) else FIELD_WITH_SIGN
@@ -156,7 +153,6 @@ def _form(
 
 
 def _fits_narrow(scene: Scene) -> bool:
-    """Return whether three cells are enough, now and for future rewards."""
     figures = scene.shown
     if figures.layer not in (Layer.Q, *LEARNED_NOT) or scene.world.least_reward < 0.0:
         return False
@@ -182,10 +178,7 @@ Draw = Callable[[int, bool], Pieces]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of ``width`` cells. High ``rank`` is dropped first.
-
-    ``draw`` takes the pair, and whether to name its state.
-    """
+    """A column. High ``rank`` is dropped first. ``draw`` takes the pair, and whether to name its state."""
 
     head: str
     width: int
@@ -204,22 +197,22 @@ class ListForm:
 
     @property
     def block_width(self) -> int:
-        """The total width of the columns."""
+        """The columns' total width."""
         return sum(column.width for column in self.columns)
 
     @property
     def entries(self) -> int:
-        """The number of entries, one per pair."""
+        """The number of pairs."""
         return self.scene.world.space.pairs
 
     def heads(self) -> list[Pieces]:
-        """Return the heads, aligned with their columns."""
+        """Return the headings above their columns."""
         glyphs = self.scene.look.glyphs
         texts = [column.align(to_ascii(column.head, glyphs), column.width) for column in self.columns]
         return [[Segment("".join(texts), self.scene.look.palette.dim)]]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
-        """Return the row of a pair, with its state in the first row."""
+        """Return a pair's row."""
         world, pair = self.scene.world, self._pair_of(entry)
         is_new = is_first or entry == world.siblings(pair).start
         return [segment for column in self.columns for segment in column.draw(pair, is_new)]
@@ -229,12 +222,12 @@ class ListForm:
         return self.scene.world.siblings(entry)
 
     def entry_of(self, state: int) -> int:
-        """Return the row of the first pair of ``state``."""
+        """Return the row of the first pair."""
         first, end = self.scene.world.space.first_pair[state : state + 2].tolist()
         return first if first < end else NO_ROW
 
     def entry_of_pair(self, pair: int) -> int:
-        """Return the row of ``pair``."""
+        """Return the pair's row."""
         world = self.scene.world
         return world.siblings(pair).start + world.pairs_shown(world.space.state_of(pair)).index(pair)
 
@@ -243,7 +236,7 @@ class ListForm:
         return self._pair_of(max(0, min(self.entries - 1, self.entry_of_pair(pair) + rows)))
 
     def pair_at(self, entry: int, x: int) -> int | None:
-        """Return the pair of the row."""
+        """Return the row's pair."""
         return self._pair_of(entry)
 
     def _pair_of(self, entry: int) -> int:
@@ -253,7 +246,7 @@ class ListForm:
 
 
 def list_form(scene: Scene, width: int) -> ListForm:
-    """Return the form for ``width`` cells, with the current layer."""
+    """Return the form with the current layer."""
     columns = _arm_columns(scene, width) if scene.world.is_bandit else _pair_columns(scene, width)
     while columns and sum(column.width for column in columns) > width:
         columns.remove(max(columns, key=lambda column: column.rank))
@@ -261,7 +254,7 @@ def list_form(scene: Scene, width: int) -> ListForm:
 
 
 def greedy_line(scene: Scene) -> str:
-    """Return the greedy actions of all states, ties joined by ``=``."""
+    """Write all greedy actions, ties joined by ``=``."""
     world = scene.world
     states = []
     for state in world.live.tolist():
@@ -332,8 +325,10 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
         in_force = scene.shown.layer if scene.shown.layer in (Layer.ERROR, Layer.LANES) else Layer.OPTIMAL
         exact = [layer for layer in exact if layer is in_force]
 
+    pulled = scene.snapshot.counters.last_step
+
     def last(pair: int, _: bool) -> Pieces:
-        is_last = pair == scene.last_pair
+        is_last = pulled is not None and pair == pulled.pair
         return [
             Segment(look.glyphs.agent, look.palette.agent) if is_last else Segment(" ", look.palette.text)
         ]
@@ -363,14 +358,12 @@ def _compared(scene: Scene) -> list[Layer]:
 
 
 def _beside(layer: Layer) -> list[Layer]:
-    """Return the layers to show beside each other."""
     if layer is Layer.ERROR:
         return [Layer.Q, Layer.OPTIMAL, layer]
     return [Layer.Q, layer] if layer in (Layer.OPTIMAL, Layer.LANES, Layer.POLICY) else [Layer.Q]
 
 
 def _shared(first: int, second: int, room: int) -> tuple[int, int]:
-    """Return the widths of two names, the longer one shortened first."""
     while first + second > room and max(first, second) > _LEAST_NAME:
         if first > second:
             first -= 1
@@ -384,7 +377,6 @@ def _widening(wanted: int, room: int) -> int:
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
-    """Return a column per layer. The main one has frames and cursor."""
     _share_form(scene, layers)
     in_force = scene.shown.layer
     main = in_force if in_force in LEARNED_NOT and in_force in layers else layers[0]

@@ -1,4 +1,4 @@
-"""The Q-table as a heat map, with its layers."""
+"""The Q-table as a heat map."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from rl_tui.screen.kit.panel import (
 )
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, Pointed
 from rl_tui.screen.kit.scrolling import Scrolled
-from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_new_run
+from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run
 from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.landscape import has_landscape
 from rl_tui.screen.panels.policies.studied import as_studied
@@ -69,8 +69,8 @@ _MOST_CACHED: Final = 512  # rows
 class QTable(Panel, can_focus=True):
     """The table of Q: a row per state, or a row per pair.
 
-    It follows the agent until cursor or view are moved. Escape goes back. ``lights`` highlights the updated
-    cell and its ``sources``. ``lane`` is the number of one of two runs, ``differing`` are states to mark.
+    It follows the agent until cursor or view are moved. ``lights`` highlights the updated cell and its
+    ``sources``. ``lane``: number of one of two runs. ``differing``: states to mark.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -87,13 +87,13 @@ class QTable(Panel, can_focus=True):
 
     @dataclass
     class CursorMoved(Message):
-        """The user moved the cursor to ``pair``. None follows the agent."""
+        """The user moved the cursor. None follows the agent."""
 
         pair: int | None
 
     @dataclass
     class LayerChosen(Message):
-        """The user clicked on the name of ``layer``."""
+        """The user clicked on a layer."""
 
         layer: Layer
 
@@ -111,7 +111,7 @@ class QTable(Panel, can_focus=True):
         self.cell: Size | None = None  # size of a map cell, set by the board
         self._choices = layer_choices(None)
         self._following = True
-        self.pointed = NOWHERE
+        self.pointed = self.subject = NOWHERE
         self._first = 0
         self._height = 0  # of the last picture
         self._world: TableWorld | None = None
@@ -124,7 +124,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def layer_choices(self) -> tuple[Layer, ...]:
-        """The available layers, including those of the world only."""
+        """The available layers, with those of the world."""
         shown = self.snapshot
         if shown is None or not has_estimates(shown) or not has_landscape(shown.world, self.cell, self.look):
             return self._choices
@@ -132,17 +132,17 @@ class QTable(Panel, can_focus=True):
 
     @property
     def shown_layer(self) -> Layer:
-        """The layer of the numbers, Q for a landscape."""
+        """The numbers' layer, Q for a landscape."""
         return self.wanted_layer if self.wanted_layer in self._choices else Layer.Q
 
     def rows_of(self, snapshot: Snapshot) -> int:
-        """Return the rows of the whole table, with notes."""
+        """Count the rows of the whole table."""
         world = self._world_of(snapshot)
         return world.space.pairs + 2 if world.is_sparse else len(world.live)
 
     @property
     def row_range(self) -> RowRange | None:
-        """The visible pairs, around the agent unless scrolled."""
+        """The visible pairs."""
         sheet = self._sheet
         if sheet is None or self.snapshot is None:
             return None
@@ -151,7 +151,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def is_complete(self) -> bool:
-        """Whether the newest snapshot contains all visible pairs."""
+        """True if the snapshot contains all visible pairs."""
         window = None if self.snapshot is None else self.snapshot.agent.part
         if window is None or self._sheet is None:
             return True
@@ -159,7 +159,7 @@ class QTable(Panel, can_focus=True):
         return bool(window.held[pairs.start : pairs.stop].all())
 
     def redraw(self) -> None:
-        """Draw again. Report another visible part of a large table."""
+        """Draw again, and report another visible part."""
         super().redraw()
         if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world):
             return
@@ -183,7 +183,7 @@ class QTable(Panel, can_focus=True):
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the visible rows, or a text."""
+        """Draw the visible rows, or a text."""
         self._sheet = None
         if snapshot is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
@@ -216,7 +216,7 @@ class QTable(Panel, can_focus=True):
         """Return the signs of cells."""
         palette, glyphs = self.look.palette, self.look.glyphs
         frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
-        layer = self.shown_layer
+        layer, has_choice = self.shown_layer, len(snapshot.world.space.action_names) > 1
         is_learned = layer not in LEARNED_NOT
         greedy = GREEDY_IN_FULL if is_learned else ""  # in Q*, greedy is optimal
         framed = "likeliest" if layer is Layer.POLICY else "greedy"
@@ -224,7 +224,7 @@ class QTable(Panel, can_focus=True):
             return ()
         return (
             *mark_signs(snapshot.editor, self.look),
-            LegendSign(frame, framed, palette.best, greedy),
+            *([LegendSign(frame, framed, palette.best, greedy)] if has_choice else []),
             *([no_value_sign(self.look)] if lacks_values(snapshot, layer) else []),
             *([LegendSign(glyphs.lit, "just updated", palette.good)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
@@ -238,18 +238,18 @@ class QTable(Panel, can_focus=True):
         return not self._following if action == "follow" else True
 
     def action_move(self, rows: int, columns: int) -> None:
-        """Move the cursor, at first from the agent."""
+        """Move the cursor."""
         pair = self.shown_cursor
         if self._sheet is not None and pair is not None:
             self._put_cursor(self._sheet.form.moved(pair, rows, columns))
 
     def action_page(self, pages: int) -> None:
-        """Move the cursor by pages."""
+        """Move by pages."""
         if self._sheet is not None:
             self.action_move(pages * self._sheet.page, 0)
 
     def action_end(self, last: bool) -> None:
-        """Move the cursor to the first or last row."""
+        """Go to the first or last row."""
         if self._sheet is not None:
             self.action_move(self._sheet.form.entries * (1 if last else -1), 0)
 
@@ -259,7 +259,7 @@ class QTable(Panel, can_focus=True):
         self._show_moved()
 
     def on_click(self, event: events.Click) -> None:
-        """Move the cursor to the click, or choose a layer."""
+        """Move the cursor, or choose a layer."""
         if (column := self.footing_column(event)) is not None:
             layer = layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
             if layer is not None:
@@ -271,11 +271,11 @@ class QTable(Panel, can_focus=True):
             self._put_cursor(pair)
 
     def pair_at(self, x: int, y: int) -> int | None:
-        """Return the pair at column ``x`` of row ``y``, or None."""
+        """Return the pair here, or None."""
         return None if self._sheet is None else self._sheet.pair_at(x, y)
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
-        """Scroll by ``rows`` and stop following the agent."""
+        """Scroll, and stop following the agent."""
         if self._sheet is not None and self._sheet.is_scrolled:
             event.stop()
             self._following = False
@@ -284,7 +284,7 @@ class QTable(Panel, can_focus=True):
             self.post_message(Moved(self))
 
     def on_resize(self) -> None:
-        """Align the other run's table with this one."""
+        """Align the other run's table."""
         if not self.is_led:
             self.post_message(Moved(self))
 
@@ -295,18 +295,18 @@ class QTable(Panel, can_focus=True):
         self._tell()
 
     def point_at(self, pairs: range) -> None:
-        """Show the cursor of another panel, if any."""
+        """Show another panel's cursor."""
         if pairs != self.pointed:
             self.pointed = pairs
             self.redraw()
 
     @property
     def stance(self) -> object:
-        """The cursor and the visible rows."""
+        """Cursor and visible rows."""
         return self.cursor_pair, self._following, self._first
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the stance of the table ``twin``."""
+        """Take the stance of ``twin``."""
         if isinstance(twin, QTable):
             self._forms, self._scale = twin._forms, twin._scale
             if self.snapshot and twin.snapshot and not are_alike(twin.snapshot.world, self.snapshot.world):
@@ -341,7 +341,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def shown_cursor(self) -> int | None:
-        """The pair of the cursor, by default the agent's first."""
+        """The cursor's pair, by default the agent's."""
         if self.cursor_pair is not None or self.snapshot is None:
             return self.cursor_pair
         world = self._world_of(self.snapshot)
@@ -380,16 +380,12 @@ class QTable(Panel, can_focus=True):
             world=self._world_of(snapshot),
             figures=figures,
             shown=figures[shown],
-            state=snapshot.counters.state,
-            last_pair=None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair,
+            snapshot=snapshot,
             cursor=self.shown_cursor if self.has_focus else None,
-            hides_means=hides_means(snapshot),
             look=self.look,
-            breakpoints=snapshot.playback.breakpoints,
+            forms=self._forms,
             pointed=self.pointed,
             differing=self.differing,
-            editor=snapshot.editor,
-            forms=self._forms,
         )
 
     def _footing(self, width: int, part: str = "") -> str:

@@ -1,4 +1,4 @@
-"""The visible part of a Q-table, and its border texts."""
+"""The visible part of a Q-table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.layers import Layer, other_lane
 from rl_tui.screen.kit.panel import LegendSign, Panel
 from rl_tui.screen.kit.scrolling import kept_in_view, scroll_bar, scrolled_to
-from rl_tui.screen.kit.snapshot_facts import has_estimates
+from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means
 from rl_tui.screen.panels.policies.studied import policy_name
 from rl_tui.screen.panels.q_table.forms import ListForm, MatrixForm, greedy_line
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene
@@ -32,7 +32,7 @@ Form = MatrixForm | ListForm  # a scene laid out for one width: an entry is a ta
 
 
 class Sheet:
-    """A form in ``height`` rows, from entry ``first`` on."""
+    """``height`` rows from entry ``first`` on."""
 
     def __init__(self, form: Form, scene: Scene, width: int, height: int) -> None:
         self.form = form
@@ -44,19 +44,19 @@ class Sheet:
         self._entries, self._block_width = form.entries, form.block_width
         self._lines = min(height - len(self._heads), -(-self._entries // form.blocks))
         self.shown = min(self._entries, self._lines * form.blocks)
-        self.is_scrolled = self.shown < self._entries  # not all entries are visible
-        self.part = f"{self.shown} of {self._entries:,}"  # number of visible entries out of all
-        self.page = max(1, self._lines)  # rows of a page
+        self.is_scrolled = self.shown < self._entries
+        self.part = f"{self.shown} of {self._entries:,}"
+        self.page = max(1, self._lines)
 
     @property
     def free_rows(self) -> int:
-        """The number of empty rows at the bottom."""
+        """The empty rows at the bottom."""
         below = self._height - len(self._heads) - self._lines
         return 0 if self.is_scrolled else below - len(self._notes(below))
 
     @property
     def pairs(self) -> range:
-        """The visible pairs, from the first to the last."""
+        """The visible pairs, and those between."""
         if self.shown == 0:
             return range(0)
         last = self.form.pairs_in(self.first + self.shown - 1)
@@ -79,7 +79,7 @@ class Sheet:
             self.first = first
 
     def pair_at(self, x: int, y: int) -> int | None:
-        """Return the pair at column ``x`` of row ``y``, or None."""
+        """Return the pair here, or None."""
         block, x = divmod(x, max(1, self._block_width))
         line = y - len(self._heads)
         entry = self.first + block * self._lines + line
@@ -88,7 +88,7 @@ class Sheet:
         return self.form.pair_at(entry, x)
 
     def strips(self, cache: LRUCache[tuple[Segment, ...], Strip]) -> list[Strip]:
-        """Return the rows, from ``cache`` if unchanged."""
+        """Draw the rows, from ``cache`` if unchanged."""
         rows = [head * self.form.blocks for head in self._heads]
         bar = []
         if self.is_scrolled and self._lines:
@@ -113,7 +113,7 @@ class Sheet:
         if room < 2 or not isinstance(self.form, ListForm):
             return []
         note: Pieces = []
-        if scene.world.is_bandit and scene.hides_means:
+        if scene.world.is_bandit and hides_means(scene.snapshot):
             note = [Segment("  w h", palette.press), Segment("  show the true means q*", palette.dim)]
         elif not scene.world.is_bandit and len(scene.world.live) <= _STATES_IN_GREEDY_LINE:
             text = separated(greedy_line(scene), scene.look.glyphs)
@@ -159,7 +159,7 @@ _NAMES: Final[tuple[dict[Layer, str], ...]] = (
 
 
 def rare_signs(strips: Sequence[Strip], look: Look) -> tuple[LegendSign, ...]:
-    """Return the signs beside or instead of a number that occur in ``strips``."""
+    """Return the signs beside or instead of a number."""
     glyphs, text = look.glyphs, "".join(strip.text for strip in strips)
     signs = [*zip(TINY[glyphs is ASCII], ("just below 0", "just above 0"), strict=True)]
     if glyphs is not ASCII:  # its < is also part of <.01
@@ -168,7 +168,7 @@ def rare_signs(strips: Sequence[Strip], look: Look) -> tuple[LegendSign, ...]:
 
 
 def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> tuple[str, ...]:
-    """Return forms of the title. ``lane`` is the run number."""
+    """Return titles. ``lane`` is the run number."""
     group = snapshot.run_group
     if group.lanes and not lane:
         lane = f"{panel.look.glyphs.cursor}{group.shown + 1}"
@@ -189,7 +189,7 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
 
 
 def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
-    """Return forms of the keys for layers and hidden values."""
+    """Return the keys for layers and hidden values."""
     forms = []
     for names in _NAMES:
         texts = [(each, names.get(each, each)) for each in choices]
@@ -203,14 +203,14 @@ def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_ex
 
 
 def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[str]:
-    """Return ``footings`` with the visible ``part``, or the follow key."""
+    """Add the visible ``part``, or the key to follow."""
     if is_following:
         return [*(f"{part} · {each}" for each in footings[:-1]), *footings]
     return [*(f"{FOLLOW_HINT} · {each}" for each in footings), FOLLOW_HINT]
 
 
 def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs) -> Layer | None:
-    """Return the layer at ``column`` of ``footing``, or None."""
+    """Return the layer at ``column``."""
     text = separated(footing, glyphs)
     for names in _NAMES:
         places, end = [], text.find(_KEY) + len(_KEY)
@@ -225,7 +225,7 @@ def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs
 
 
 def no_answer(snapshot: Snapshot, width: int, look: Look) -> list[list[Piece]]:
-    """Return why exact values are missing or pending."""
+    """Explain why exact values are missing."""
     palette, refused = look.palette, snapshot.exact_answer.refused
     text = f"No exact values: {refused}" if refused else COMPUTING
     lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, look)

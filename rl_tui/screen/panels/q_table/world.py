@@ -1,4 +1,4 @@
-"""The world of a Q-table: names and marks."""
+"""Names and marks in a Q-table."""
 
 from __future__ import annotations
 
@@ -13,10 +13,8 @@ from rich.cells import cell_len
 from rich.segment import Segment
 from rich.style import Style
 
-from rl_tui.live.pace.until import Breakpoints
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import followed_state
-from rl_tui.live.world_editor import EditorView
 from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_place
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.names import action_name, with_minus
@@ -42,7 +40,7 @@ _LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
 
 
 class TableWorld:
-    """The states with actions and the pairs, in table order."""
+    """States with actions, and pairs, in table order."""
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
         self.world = world
@@ -64,7 +62,7 @@ class TableWorld:
         """The name of a state: complete, compact or shortened."""
 
     def name_head(self, width: int) -> str:
-        """Return the longest heading of state names in ``width`` cells, or nothing."""
+        """Return the longest fitting heading."""
         drawing, names = self.world.drawing, self.space.state_names
         forms = drawing.name_parts if isinstance(drawing, Grid) else ()
         fitting = (each for each in forms if len(each) <= width and each.count(", ") == names[0].count(", "))
@@ -82,7 +80,6 @@ class TableWorld:
         return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
 
     def _longest(self, form: Callable[[str], str]) -> int:
-        """Return the width of the longest name, from a sample if many."""
         names, live = self.space.state_names, self.live
         if isinstance(names, NumberNames):
             live = live[-1:]  # they rise, so the last one is the longest
@@ -95,29 +92,29 @@ class TableWorld:
         return name if cell_len(name) <= width else shortened(_brief(name), width, self.glyphs.ellipsis)
 
     def action_of(self, pair: int) -> int:
-        """Return the action of ``pair``."""
+        """Return a pair's action."""
         return int(self.space.pair_action[pair])
 
     def siblings(self, pair: int) -> range:
-        """Return all pairs of ``pair``'s state."""
+        """Return all pairs of the pair's state."""
         return self.space.pairs_of(self.space.state_of(pair))
 
     def pairs_shown(self, state: int) -> list[int]:
-        """Return the pairs of ``state`` in display order."""
+        """Return a state's pairs in display order."""
         return shown_pairs(self.world, self.space.pairs_of(state))
 
     def pair_of_action(self, state: int) -> dict[int, int]:
-        """Return the pair of each action available in ``state``."""
+        """Return the pair of each available action."""
         pairs = self.space.pairs_of(state)
         return dict(zip(self.space.pair_action[pairs.start : pairs.stop].tolist(), pairs, strict=True))
 
     def row_of(self, state: int) -> int:
-        """Return the row of ``state``, or ``NO_ROW``."""
+        """Return a state's row, or ``NO_ROW``."""
         row = int(np.searchsorted(self.live, state))
         return row if row < len(self.live) and self.live[row] == state else NO_ROW
 
     def pair_near(self, state: int, action: int) -> int:
-        """Return the pair of ``state`` with the nearest action."""
+        """Return the pair with the nearest action."""
         column = shown_place(self.world, action)
         return min(
             self.pairs_shown(state),
@@ -126,7 +123,7 @@ class TableWorld:
 
 
 def state_followed(snapshot: Snapshot) -> int:
-    """Return the state to keep visible, not a terminal one."""
+    """Return the live state to keep visible."""
     return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)
 
 
@@ -142,53 +139,48 @@ Pieces = list[Segment]
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """The contents of both forms of the table.
+    """The contents of both forms.
 
-    ``shown``: current layer. ``pointed``: pairs under another panel's cursor. ``differing``: other greedy
-    actions in the second run.
+    ``pointed``: pairs under another panel's cursor. ``differing``: other greedy actions in the second run.
     """
 
     world: TableWorld
     figures: dict[Layer, Figures]
     shown: Figures
-    state: int
-    last_pair: int | None
+    snapshot: Snapshot
     cursor: int | None
-    hides_means: bool
     look: Look
     forms: SteadyForms
-    breakpoints: Breakpoints
     pointed: range
     differing: frozenset[int]
-    editor: EditorView
 
     def state_mark(self, state: int) -> Segment:
-        """Return the mark before a state: agent or breakpoint."""
-        palette, glyphs = self.look.palette, self.look.glyphs
-        if state in self.breakpoints.states:
-            return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
-        return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
+        """Return agent or breakpoint before a state."""
+        palette, glyphs, is_here = self.look.palette, self.look.glyphs, state == self.snapshot.counters.state
+        if state in self.snapshot.playback.breakpoints.states:
+            return Segment(glyphs.agent if is_here else glyphs.breakpoint, palette.breakpoint)
+        return Segment(glyphs.agent, palette.agent) if is_here else Segment(" ", palette.text)
 
     def is_pointed(self, pairs: range) -> bool:
-        """Return whether another panel's cursor is on ``pairs``."""
+        """Return whether another panel's cursor is here."""
         return bool(self.pointed) and self.pointed.start in pairs
 
     def mark_behind(self, state: int) -> Segment | None:
-        """Return the mark after a state: difference or edit."""
+        """Return difference or edit after a state."""
         look = self.look
         if state in self.differing:
             return Segment(look.glyphs.differs, look.palette.text)
-        return next((Segment(*mark) for mark in marks_of(self.editor, state).signs(look)), None)
+        return next((Segment(*mark) for mark in marks_of(self.snapshot.editor, state).signs(look)), None)
 
 
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:
-    """Return the cell of ``pair``, with its number centred."""
+    """Centre a pair's number in its cell."""
     number = figures.text(pair, digits).rjust(figures.cells(digits)).center(width)
     return framed(scene, figures, pair, number, is_greedy)
 
 
 def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bool) -> Pieces:
-    """Return the cell of ``pair``, with marks around ``number``."""
+    """Put marks around a pair's ``number``."""
     palette, glyphs = scene.look.palette, scene.look.glyphs
     style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
     left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
@@ -200,25 +192,25 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
         left = Segment(glyphs.lit, palette.error(error))
         number = _in_margin(number, glyphs.moved[error > 0], -1) if error else number
         style += Style(reverse=not palette.tints, bold=True)
-    if pair in scene.breakpoints.pairs:
+    stops = pair in scene.snapshot.playback.breakpoints.pairs
+    if stops:
         left = Segment(glyphs.breakpoint, palette.breakpoint)
     if pair == scene.cursor:
-        left = Segment(glyphs.cursor, palette.breakpoint if pair in scene.breakpoints.pairs else palette.you)
+        left = Segment(glyphs.cursor, palette.breakpoint if stops else palette.you)
     return [left, Segment(number, style), right]
 
 
 def _in_margin(number: str, sign: str, at: int) -> str:
-    """Put ``sign`` over a blank at the start (0) or end (−1) of ``number``."""
     if number[at : at + 1 or None] != " ":
         return number
     return number[:-1] + sign if at else sign + number[1:]
 
 
 def padded(text: str, width: int) -> str:
-    """Return ``text`` padded at the end."""
+    """Pad ``text`` at the end."""
     return text + " " * (width - cell_len(text))
 
 
 def aligned_right(text: str, width: int) -> str:
-    """Return ``text`` padded at the start."""
+    """Pad ``text`` at the start."""
     return " " * (width - cell_len(text)) + text

@@ -1,4 +1,4 @@
-"""The line below a world: colour scale and legend."""
+"""Colour scale and legend below a world."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rl_tui.screen.theme.look import Look
 VALUE: Final = "value"
 NOTHING_KNOWN: Final = "nothing learned yet"
 ALL_ZERO: Final = "0 so far"
-VEILED: Final = "hidden, w h shows it"
+VEILED: Final = "hidden: w h shows it"
 _GAP: Final = "  "
 _MOST_KEPT: Final = 64  # the same line is drawn in every frame
 
 
 class NamedScale(NamedTuple):
-    """A ``scale`` with a ``word`` for its numbers, and a ``note``."""
+    """A ``scale`` and its numbers' ``word``."""
 
     word: str
     scale: ValueScale
@@ -34,7 +34,7 @@ class NamedScale(NamedTuple):
 def scale_line(
     said: tuple[Piece, ...], named: NamedScale | None, signs: Legend, width: int, look: Look
 ) -> Strip:
-    """Return a row: ``said``, the scale, and fitting ``signs``."""
+    """Draw ``said``, the scale, and fitting ``signs``."""
     line = list(said)
     forms = _scale_forms(named, look) if named is not None else ()
     _add(line, forms, width, look)

@@ -1,4 +1,4 @@
-"""The base of all pictures of a world: cursor, places and drawing."""
+"""The base of all world pictures."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ from textual.strip import Strip
 from rl_tui.live.last_step.step_report import story_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import Cells
+from rl_tui.screen.draw.action_order import next_states
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, length, shortened, spelled, strips_of
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, scale_numbers, veils_exact, world_layer
@@ -103,25 +105,27 @@ class WorldView(DrawnPicture, can_focus=True):
         if not goes_on:
             self.cursor: int | None = None  # set by the user, None while it follows the agent
         self._pointed: int | None = None  # cursor of another panel
+        self.subject = NOWHERE
+        """The pairs that the open panel is about: one, or all of a state."""
 
     @property
     def lacks_room(self) -> bool:
-        """Whether cells are too small to show every action as wanted."""
+        """True if cells are too small for every action."""
         return False
 
     def has_room_in(self, width: int, height: int) -> bool:
-        """Return whether cells of this panel size show what is wanted."""
+        """Return whether this size shows what is wanted."""
         return True
 
     def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
-        """Show the active mode, and whether its keys work here."""
+        """Show the mode, and whether its keys work here."""
         self.set_class(has_keys, "-manual")
         if (title, prompt) != (self.title, self.prompt):
             self.title, self.prompt = title, prompt
             self.redraw()
 
     def take_over(self, other: WorldView) -> None:
-        """Take mode and focus from ``other``, when control changes runs."""
+        """Take mode and focus when control changes runs."""
         self.is_manual, other.is_manual = other.is_manual, False
         self.is_drawn_on, other.is_drawn_on = other.is_drawn_on, False
         self.picked, other.picked = other.picked, frozenset()
@@ -143,84 +147,92 @@ class WorldView(DrawnPicture, can_focus=True):
 
     @property
     def cells(self) -> Cells | None:
-        """The visible cells of the map, or None."""
+        """The map's visible cells, or None."""
         return None
 
     @property
     def is_away(self) -> bool:
-        """Whether cursor or view are away from the agent."""
+        """True if cursor or view left the agent."""
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world."""
+        """Return the world's signs."""
         drawn = () if self.title else edit_signs(snapshot.editor, self.look)
-        return *self.random_signs(), *drawn, *self.signs()
+        return *self._subject_signs(), *self.random_signs(), *drawn, *self.signs()
+
+    def _subject_signs(self) -> Iterable[LegendSign]:
+        frame, palette = self.look.glyphs.frame[:2], self.look.palette
+        if self.subject and self.shown_cursor is not None:
+            name = "s" if self.subject_next else self.name_at(self.place_of(self.subject.start))
+            yield LegendSign(frame, name, palette.you)
+        if self.subject_next:
+            yield LegendSign(frame, "possible s′", palette.source_line)
 
     def signs(self) -> Iterable[LegendSign]:
         """Return the possible signs, most important first."""
         raise NotImplementedError
 
     def agent_sign(self) -> LegendSign:
-        """Return the sign of the agent."""
+        """Return the agent's sign."""
         who = AGENT if self.snapshot is None else agent_meaning(self.snapshot)
         return LegendSign(self.look.glyphs.agent, who, self.look.palette.agent)
 
     # Places
 
     def agent_place(self, snapshot: Snapshot) -> int:
-        """Return the place of the agent."""
+        """Return the agent's place."""
         return snapshot.counters.state
 
     def moved(self, place: int, rows: int, columns: int) -> int:
-        """Return the place that far below and right."""
+        """Return the place that far away."""
         raise NotImplementedError
 
     def state_at(self, place: int) -> int | None:
-        """Return the state at ``place``, or None."""
+        """Return the state here, or None."""
         return place
 
     def name_at(self, place: int) -> str:
-        """Return the name of the state at ``place``, or nothing."""
+        """Name the state here, if any."""
         state = self.state_at(place)
         return "" if state is None else f"state {state_name(self.world, state, self.look.glyphs)}"
 
     def pairs_at(self, place: int) -> range:
-        """Return the pairs at ``place``."""
+        """Return the pairs here."""
         state = self.state_at(place)
         return NOWHERE if state is None else self.world.space.pairs_of(state)
 
     def place_of(self, pair: int) -> int:
-        """Return the place of ``pair``."""
+        """Return the pair's place."""
         return self.world.space.state_of(pair)
 
     @property
     def page_size(self) -> tuple[int, int]:
-        """The rows and columns of a page key."""
+        """Rows and columns of a page."""
         return 1, 1
 
     @property
     def cursor_place(self) -> int | None:
-        """The place of the cursor, by default the agent's."""
+        """The cursor's place, by default the agent's."""
         if self.cursor is not None or self.snapshot is None:
             return self.cursor
         return self.agent_place(self.snapshot)
 
     @property
     def shown_cursor(self) -> int | None:
-        """The place to draw a cursor, its own or another panel's."""
+        """The place of its own or another panel's cursor."""
         if self.is_manual:
             return None
         return self.cursor_place if self.has_focus else self._pointed
 
     def put_cursor(self, place: int) -> None:
-        """Move the cursor to ``place`` and scroll to it."""
+        """Move the cursor and scroll to it."""
         self.cursor = place
         self.keep_in_view(place)
         self.redraw()
         self._tell(self.pairs_at(place))
 
     def point_at(self, pairs: range) -> None:
-        """Show the cursor of another panel, if any."""
+        """Show another panel's cursor."""
         if pairs:
             self._pointed = self.place_of(pairs.start)
             self.keep_in_view(self._pointed)
@@ -229,6 +241,11 @@ class WorldView(DrawnPicture, can_focus=True):
             if self.cursor is None:
                 self.follow()
         self.redraw()
+
+    @property
+    def subject_next(self) -> frozenset[int]:
+        """The open panel's next states."""
+        return next_states(self.world, self.subject.start) if len(self.subject) == 1 else frozenset()
 
     def keep_in_view(self, place: int) -> None:
         """Scroll until ``place`` is visible."""
@@ -242,7 +259,7 @@ class WorldView(DrawnPicture, can_focus=True):
                 self.cursor = place
 
     def takes_stance_of(self, twin: WorldView) -> bool:
-        """Return whether the stance of ``twin`` applies here."""
+        """Return whether the twin's stance applies here."""
         return self.is_led or are_alike(twin.world, self.world)
 
     def _tell(self, pairs: range) -> None:
@@ -250,7 +267,7 @@ class WorldView(DrawnPicture, can_focus=True):
             self.post_message(Pointed(self, pairs))
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the picture of ``snapshot``."""
+        """Draw ``snapshot``."""
         if snapshot is None:
             return self._waiting(width, height)
         has_line = self.cell is not None and height > 1
@@ -280,7 +297,7 @@ class WorldView(DrawnPicture, can_focus=True):
         return [Strip.join((one.crop(0, left), other)) for one, other in zip(strips, lines, strict=True)]
 
     def has_layer(self, layer: Layer) -> bool:
-        """Return whether ``layer`` has its own picture here."""
+        """Return whether ``layer`` has its own picture."""
         snapshot = self.snapshot
         return snapshot is not None and self._layer_of(snapshot, layer) is layer
 
@@ -291,7 +308,7 @@ class WorldView(DrawnPicture, can_focus=True):
 
     @property
     def has_landscape(self) -> bool:
-        """Whether it can be drawn as a landscape."""
+        """True if a landscape is possible."""
         return False
 
     def _waiting(self, width: int, height: int) -> list[Strip]:
@@ -315,26 +332,31 @@ class WorldView(DrawnPicture, can_focus=True):
         self.heading, self.footing = self.fitting(headings, width), self.fitting(footings, width)
         pairs = ((heading, footing) for heading in headings for footing in footings)
         room = width - self._taken - (4 if self.title else 2)  # blanks around a mode, before its text
-        fitting = (pair for pair in pairs if sum(map(cell_len, pair)) <= room)
-        self._said = next(fitting, (self.heading, ""))
+        fitting = [pair for pair in pairs if sum(map(cell_len, pair)) <= room]
+        if self.title:
+            cut_off = f"{self.look.glyphs.ellipsis} "  # whole names first
+            fitting.sort(key=lambda pair: pair[1] == footings[-1] or cut_off in f"{pair[1]} ")
+        left = SCALE_ROOM if self.studied is not None and self.title else 0
+        beside_scale = (pair for pair in fitting if sum(map(cell_len, pair)) <= room - left)
+        self._said = next(beside_scale, next(iter(fitting), (self.heading, "")))
 
     def _explain(self, snapshot: Snapshot) -> None:
         """Do nothing: the line below the picture has the signs."""
 
     def _line(self, snapshot: Snapshot, width: int) -> Strip:
-        palette = self.look.palette
+        palette, glyphs = self.look.palette, self.look.glyphs
         said: list[Piece] = []
         heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
         says_lane = self.lane and not self._is_named_beside
         if self.title:
-            said += [Piece(f" {heading} ", palette.focus)]
+            said += [Piece(separated(f" {heading} ", glyphs), palette.focus)]
         elif says_lane or self.studied is not None or self.is_numbered or self.shows_actions:
             ink = policy_ink(self.studied, palette) if self.studied is not None and not says_lane else Style()
-            said += [Piece(heading, palette.strong + ink)]
+            said += [Piece(separated(heading, glyphs), palette.strong + ink)]
         if footing:
-            mark = self.look.glyphs.differs if footing.startswith(UNICODE.differs) else ""
+            mark = glyphs.differs if footing.startswith(UNICODE.differs) else ""
             said += [Piece("  " if said else "", palette.text), Piece(mark, palette.text)]
-            said += [Piece(footing[len(mark) :], palette.dim)]
+            said += [Piece(separated(footing[len(mark) :], glyphs), palette.dim)]
         # of two runs, one shows scale and legend: below both maps, else the one with fewer words
         tells = not self.lane or self.has_note is self._is_named_beside
         signs = self.legend(snapshot) if self.is_explained and tells else ()
@@ -347,12 +369,12 @@ class WorldView(DrawnPicture, can_focus=True):
         return Strip.join((line, strips_of([self._stands_at], self._taken, 1, self.look)[0]))
 
     def fitting(self, titles: Iterable[str], width: int) -> str:
-        """Return the first of ``titles`` that fits below the picture."""
+        """Return the first title that fits."""
         return super().fitting(titles, width - self._taken)
 
     @property
     def named_scale(self) -> NamedScale | None:
-        """The colour scale with its word, or None."""
+        """The colour scale and its word."""
         layer = self.drawn_layer
         if isinstance(self.world.drawing, Arms) or (self.lacks_table and layer not in WORDS):
             return None
@@ -405,13 +427,13 @@ class WorldView(DrawnPicture, can_focus=True):
         return not (self.is_manual and action in ("move", "page"))
 
     def action_move(self, rows: int, columns: int) -> None:
-        """Move the cursor, at first from the agent."""
+        """Move the cursor."""
         place = self.cursor_place
         if place is not None:
             self.put_cursor(self.moved(place, rows, columns))
 
     def action_page(self, rows: int, columns: int) -> None:
-        """Move the cursor by pages."""
+        """Move by pages."""
         down, across = self.page_size
         self.action_move(rows * down, columns * across)
 
@@ -427,7 +449,7 @@ class WorldView(DrawnPicture, can_focus=True):
         self._tell(NOWHERE)
 
     def on_click(self, event: events.Click) -> None:
-        """Move the cursor to the clicked place."""
+        """Move the cursor here."""
         offset = event.get_content_offset(self)
         if offset is None or self.snapshot is None or self.is_manual or self.is_drawn_on:
             return
@@ -438,19 +460,19 @@ class WorldView(DrawnPicture, can_focus=True):
                 self.post_message(PartPointed(self, self.part_at(*offset)))
 
     def on_resize(self) -> None:
-        """Align the other run's view with this one."""
+        """Align the other run's view."""
         if not self.is_led:
             self.post_message(Moved(self))
 
     def watch_has_focus(self, has_focus: bool) -> None:
-        """Show or hide the cursor in all panels."""
+        """Show or hide the cursor everywhere."""
         super().watch_has_focus(has_focus)
         self.redraw()
         shown = self.cursor if has_focus else None
         self._tell(NOWHERE if shown is None else self.pairs_at(shown))
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
-        """Scroll by ``rows``, with shift sideways, or report a stroke."""
+        """Scroll, with shift sideways, or report a stroke."""
         event.stop()
         if self.turns(event, rows):
             return

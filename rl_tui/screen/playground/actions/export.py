@@ -1,4 +1,4 @@
-"""Exports of a run for other programs."""
+"""Exports of a run."""
 
 from __future__ import annotations
 
@@ -16,21 +16,8 @@ from rl_tui.runs.recipe import JournalEntry, Recipe, WorldChange, begin
 from rl_tui.runs.training.seeded_runs import OnProgress, no_progress
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
-from rl_tui.screen.dialogs.export import (
-    COMMAND,
-    KINDS,
-    PICTURE,
-    POLICY,
-    Q_ARRAY,
-    Q_CSV,
-    RETURNS,
-    SCRIPT,
-    CommandLine,
-    Working,
-    ask_new_file,
-    export_choice,
-    lane_shown,
-)
+from rl_tui.screen.dialogs import export
+from rl_tui.screen.frame.message_line import complain
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
@@ -38,36 +25,33 @@ Write = Callable[[Path, OnProgress], None]
 
 
 class ExportActions(Subject):
-    """The export of the snapshot from when the dialog was opened."""
+    """The export of the snapshot when the dialog was opened."""
 
     def why_not(self, deed: str) -> str:
-        """Return why nothing can be exported."""
+        """Explain why nothing can be exported."""
         return "this is a kiosk: nothing is written here" if self.screen.in_kiosk else ""
 
     def choose(self) -> None:
         """Ask what to export."""
         snapshot = self.snapshot
         if snapshot is not None:
-            self.ask(export_choice(snapshot, self.glyphs), partial(self._export, snapshot))
+            self.ask(export.export_choice(snapshot, self.glyphs), partial(self._export, snapshot))
 
     def _export(self, snapshot: Snapshot, what: str) -> None:
         try:
-            if what == COMMAND:
+            if what == export.COMMAND:
                 self._show_command(snapshot)
-            elif what == SCRIPT:
+            elif what == export.SCRIPT:
                 self._ask_file(snapshot, what, _of_text(script_of(snapshot)))
             else:
-                writers: dict[str, Callable[[Snapshot, Path, OnProgress], None]] = {
-                    Q_CSV: _write_q_csv,
-                    Q_ARRAY: _write_q_array,
-                    RETURNS: _write_returns,
-                    POLICY: self._write_policy,
-                    PICTURE: self._write_picture,
-                }
-                is_slow = what == RETURNS or (what in (Q_CSV, Q_ARRAY) and snapshot.agent.part is not None)
-                self._ask_file(snapshot, what, partial(writers[what], snapshot), takes_time=is_slow)
+                writers = {export.POLICY: self._write_policy, export.PICTURE: self._write_picture}
+                write = partial(writers.get(what, partial(_write_table, what)), snapshot)
+                is_slow = what == export.RETURNS or (
+                    what in (export.Q_CSV, export.Q_ARRAY) and snapshot.agent.part is not None
+                )
+                self._ask_file(snapshot, what, write, takes_time=is_slow)
         except UserError as fault:
-            self._say_fault(str(fault))
+            complain(self.screen.app, fault)
 
     def _show_command(self, snapshot: Snapshot) -> None:
         world = _first_world(snapshot) or begin(snapshot.recipe).world
@@ -79,9 +63,9 @@ class ExportActions(Subject):
 
     def _ask_command(self, snapshot: Snapshot, line: str, hint: str) -> None:
         def write(_: str) -> None:
-            self._ask_file(snapshot, COMMAND, _of_text(f"{line}\n"))
+            self._ask_file(snapshot, export.COMMAND, _of_text(f"{line}\n"))
 
-        self.ask(CommandLine(line, hint), write)
+        self.ask(export.CommandLine(line, hint), write)
 
     def _write_policy(self, snapshot: Snapshot, path: Path, _: OnProgress) -> None:
         from rl_tui.runs.export.tables import evaluate_line, policy_text
@@ -94,26 +78,26 @@ class ExportActions(Subject):
         write_new(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
 
     def _ask_file(self, snapshot: Snapshot, what: str, write: Write, *, takes_time: bool = False) -> None:
-        title, _, ending = KINDS[what]
+        title, _, ending = export.KINDS[what]
 
         def write_to(chosen: float | str) -> None:
             path = Path(str(chosen))
             if takes_time:
-                working = Working(title, partial(write, path))
+                working = export.Working(title, partial(write, path))
                 self.screen.app.push_screen(working, partial(self._say_written, path))
             else:
                 # After the dialog has closed, so that a picture does not show it
                 self.screen.call_after_refresh(self._write_now, path, write)
 
-        agent = "" if what == POLICY else f"-{snapshot.agent.algorithm}"
+        agent = "" if what == export.POLICY else f"-{snapshot.agent.algorithm}"
         name = free_name(f"{snapshot.recipe.scenario.id}{agent}", ending)
-        self.ask(ask_new_file(title, name, self.glyphs), write_to)
+        self.ask(export.ask_new_file(title, name, self.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:
         try:
             write(path, no_progress)
         except UserError as fault:
-            self._say_fault(str(fault))
+            complain(self.screen.app, fault)
         else:
             self._say_written(path, "")
 
@@ -121,34 +105,24 @@ class ExportActions(Subject):
         if fault is None:
             self.screen.notify("Stopped: nothing was written.")
         elif fault:
-            self._say_fault(fault)
+            complain(self.screen.app, fault)
         else:
             self.screen.notify(f"written: {path.absolute()}", markup=False)
-
-    def _say_fault(self, fault: str) -> None:
-        self.screen.notify(fault, severity="error", markup=False)
 
 
 def _of_text(text: str) -> Write:
     return lambda path, _: write_new(path, text)
 
 
-def _write_q_csv(snapshot: Snapshot, path: Path, on_progress: OnProgress) -> None:
-    from rl_tui.runs.export.tables import write_q_csv
+def _write_table(what: str, snapshot: Snapshot, path: Path, on_progress: OnProgress) -> None:
+    from rl_tui.runs.export import tables
 
-    write_q_csv(path, snapshot.world.space, *_estimates(snapshot, on_progress))
-
-
-def _write_q_array(snapshot: Snapshot, path: Path, on_progress: OnProgress) -> None:
-    from rl_tui.runs.export.tables import write_q_array
-
-    write_q_array(path, snapshot.world.space, _estimates(snapshot, on_progress)[0])
-
-
-def _write_returns(snapshot: Snapshot, path: Path, on_progress: OnProgress) -> None:
-    from rl_tui.runs.export.tables import write_returns
-
-    write_returns(path, *_run_of(snapshot), _first_world(snapshot), on_progress)
+    if what == export.RETURNS:
+        tables.write_returns(path, *_run_of(snapshot), _first_world(snapshot), on_progress)
+    elif what == export.Q_ARRAY:
+        tables.write_q_array(path, snapshot.world.space, _estimates(snapshot, on_progress)[0])
+    else:
+        tables.write_q_csv(path, snapshot.world.space, *_estimates(snapshot, on_progress))
 
 
 def script_of(snapshot: Snapshot) -> str:
@@ -168,7 +142,7 @@ def script_of(snapshot: Snapshot) -> str:
         snapshot.world,
         changed=bool(changes),
         episodes_of_run=snapshot.counters.episodes,
-        lane=lane_shown(snapshot),
+        lane=export.lane_shown(snapshot),
     )
 
 

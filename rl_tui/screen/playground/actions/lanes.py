@@ -10,13 +10,21 @@ from rl_tui.common.errors import UserError
 from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, DropLane
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import SEED_DRAWS_WORLD, SwitchAlgorithm
+from rl_tui.runs.timeline.run_group import ONLY_YOUR_PROGRAM
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
 from rl_tui.screen.dialogs.choice import algorithm_choice, ask_value, policy_choice
-from rl_tui.screen.dialogs.compare_lanes import MOST_LANES, Answer, RunTable, branch_choice, setting_choice
+from rl_tui.screen.dialogs.compare_lanes import (
+    ALGORITHM,
+    MOST_LANES,
+    Answer,
+    RunTable,
+    branch_choice,
+    branches_beside,
+    lane_changes,
+    setting_choice,
+)
 from rl_tui.screen.dialogs.form import Form
-from rl_tui.screen.dialogs.lane_changes import ALGORITHM, branches_beside, lane_changes
-from rl_tui.screen.kit.snapshot_facts import current_study, hides_greedy, keeps_back
 
 ONE_RUN: Final = "only one run is open. c a: add another"
 
@@ -26,35 +34,26 @@ class LaneActions(Subject):
 
     def show_runs(self) -> None:
         """Open the table of runs."""
-        snapshot = self.snapshot
-        if snapshot is None:
-            return
-        dialog = RunTable(
-            self.screen.look,
-            snapshot.run_group.lanes,
-            snapshot.run_group.shown,
-            hidden=hides_greedy(snapshot),
-            beside=snapshot.run_group.beside,
-            study=current_study(snapshot),
-            is_program=snapshot.program is not None,
-            is_kept=keeps_back(snapshot, "answer"),
-        )
-        self.ask(dialog, self._compared)
+        if self.snapshot is not None:
+            self.ask(RunTable(self.screen.look, self.snapshot), self._compared)
 
     def why_not(self, deed: str) -> str:
-        """Return why a run cannot be added, shown or ended now, or ""."""
+        """Explain why a run cannot be added, shown or ended."""
         snapshot = self.snapshot
         lanes = () if snapshot is None else snapshot.run_group.lanes
         if not lanes and not deed.startswith("another"):
             return ONE_RUN
         if deed == "end" and snapshot is not None and snapshot.program is not None:
-            return "your program is in control. c c, then del: end the other"
+            return "your program is in control. c c, then del: end the other run"
         if deed == "one_lane" and not self.board.is_paired and not self.board.is_one_lane:
             return "there is no room for two runs side by side here"
         if not deed.startswith("another"):
             return ""
         if len(lanes) == MOST_LANES:
             return "four runs are open already. c e: end one"
+        world = None if snapshot is None else snapshot.world
+        if deed != "another_branch" and world is not None and not world.is_remade:
+            return ONLY_YOUR_PROGRAM
         if deed == "another_seed":
             drawn = self.link.wanted.recipe.scenario.section.drawn_from_seed
             return SEED_DRAWS_WORLD if drawn else ""
@@ -63,31 +62,31 @@ class LaneActions(Subject):
         return ""
 
     def value(self, deed: str) -> str:
-        """Return the current value for a row of the menu."""
+        """Return the value for a menu."""
         group = None if self.snapshot is None else self.snapshot.run_group
         lanes = () if group is None else group.lanes
         if deed == "another_seed" and not self.why_not(deed):
             seeds = (lane.past.begun.seed for lane in lanes if lane.past is not None)
             return str(1 + max(seeds, default=self.link.wanted.recipe.seed))
         if deed == "end" and group is not None and lanes:
-            return lanes[group.shown].name
+            return f"{group.shown + 1}: {lanes[group.shown].name}"
         return f"{len(lanes)} open" if deed == "show_runs" and lanes else ""
 
     def another_algorithm(self) -> None:
-        """Ask for the algorithm of another run."""
+        """Ask for another run's algorithm."""
         self._ask_difference(ALGORITHM)
 
     def another_setting(self) -> None:
-        """Ask for the setting in which another run differs."""
+        """Ask for the setting that differs."""
         if self.snapshot is not None:
             self.ask(setting_choice(in_force(self.snapshot), self.glyphs), self._ask_difference)
 
     def another_seed(self) -> None:
-        """Add a run with the next free seed."""
+        """Add a run with the next seed."""
         self.link.send(AddLane(next_seed=True))
 
     def another_branch(self) -> None:
-        """Ask for the branch of this run to open as another run."""
+        """Ask for the branch to open."""
         if self.snapshot is not None:
             choice = branch_choice(branches_beside(self.snapshot), self.glyphs)
             self.ask(choice, lambda branch: self.link.send(AddBranch(int(branch))))
@@ -96,7 +95,7 @@ class LaneActions(Subject):
         """End the controlled run."""
         if self.snapshot is not None:
             group = self.snapshot.run_group
-            self.screen.tell(f"Run {group.shown + 1} is ended: {group.lanes[group.shown].name}.")
+            self.screen.tell(f"Run {group.shown + 1} has ended: {group.lanes[group.shown].name}.")
             self._drop_lane(group.shown)
 
     def next_lane(self) -> None:
@@ -106,7 +105,7 @@ class LaneActions(Subject):
             self._show_lane((group.shown + 1) % len(group.lanes))
 
     def one_lane(self) -> None:
-        """Switch between the controlled run and two side by side."""
+        """Switch between one and two visible runs."""
         self.board.turn_lanes()
         if self.board.is_one_lane:
             self.screen.tell("One run is shown. c l: next run, c o: two runs.")

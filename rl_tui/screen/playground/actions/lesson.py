@@ -20,6 +20,7 @@ from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.keys.playground_keys import LESSON_ACTIONS
 from rl_tui.screen.kit.bindings import key_of_hint, keys_of
 from rl_tui.screen.kit.row import PanelRow
@@ -46,18 +47,18 @@ NOT_HERE: Final = "Not here: your code cannot run on this machine. pgdn: skip."
 _CHECK, _NAME, _CLAIM = "check", "name", "claim"
 _LONG: Final = 15.0  # seconds of a message with instructions
 CANNOT_BE_DONE: Final = Candidate(
-    _CLAIM, "It cannot be done", ("Are you sure? Then no setting and no luck passes this task.",)
+    _CLAIM, "It cannot be done", ("Are you sure? This says that no setting and no luck can pass the task.",)
 )
 
 
 @dataclass(eq=False)
 class OwnProgram(Subject):
-    """The learner's program for a page, with ``files`` by page id."""
+    """The learner's program, with ``files`` by page id."""
 
     files: dict[str, Path] = field(default_factory=dict)
 
     def answer(self, page: Page, program: ProgramToWrite, claim: Callable[[], None]) -> None:
-        """Start the program of ``page``, or choose what to do with it."""
+        """Start the page's program, or choose what to do."""
         if self.screen.in_kiosk or in_browser():
             self.screen.tell(NOT_HERE)
             return
@@ -88,10 +89,10 @@ class OwnProgram(Subject):
             if written:
                 write_new(path, program.skeleton)
         except (UserError, OSError) as fault:
-            self.screen.notify(str(fault), severity="error", markup=False)
+            complain(self.screen.app, fault)
             return
         self.files[page.id] = path
-        what = f"{path.name} is written" if written else f"{path.name} exists already and is not changed"
+        what = f"{path.name} is written" if written else f"{path.name} already exists and is not changed"
         how = "Edit it in another terminal, or press ctrl+z and come back with fg. Then enter checks it."
         self.screen.notify(to_ascii(f"{what}. {how}", self.glyphs), timeout=_LONG, markup=False)
 
@@ -120,7 +121,7 @@ def _read_name(text: str) -> str:
 _FRACTION: Final = re.compile(r"([+-]?\d{1,9}(?:\.\d{1,9})?)\s*/\s*(\d{1,9}(?:\.\d{1,9})?)", re.ASCII)
 _NUMBER: Final = re.compile(r"[+-]?(?:\d{1,15}(?:\.\d{0,15})?|\.\d{1,15})(?:[eE][+-]?\d{1,3})?", re.ASCII)
 EXPECTED: Final = "type a number, such as 0.5, -2 or 1/3"
-NO_COMMA: Final = "write a decimal point, not a comma: 0.5, or 184616"
+NO_COMMA: Final = "write 0.5 with a decimal point, and 184616 without a comma"
 
 
 def read_answer(text: str) -> float:
@@ -146,15 +147,13 @@ def read_answer(text: str) -> float:
 
 
 NOT_DONE: Final = "This page is not done. Press pgdn again to skip it."
-FIRST_PAGE: Final = "This is the first page."
 SEEN_BEFORE: Final = "You are in the past. end: latest step, r p: restart."
 CAN_BE_DONE: Final = "Not right: this can be done."
-_LONGEST_REPLY: Final = 15.0
 
 
 @dataclass(eq=False)
 class LessonActions(Subject):
-    """The learner's actions in a lesson. ``set_out`` opens another setup."""
+    """The learner's actions. ``set_out`` opens another setup."""
 
     kept_back: KeptBack
     set_out: Callable[[LessonRecord], object]
@@ -168,12 +167,12 @@ class LessonActions(Subject):
 
     @property
     def record(self) -> LessonRecord | None:
-        """The progress in the lesson, or None."""
+        """The progress in the lesson, if any."""
         return self.link.wanted.lesson
 
     @property
     def stage(self) -> PageStage | None:
-        """The stage of the open page, None before it is known."""
+        """The page's stage, if known."""
         snapshot, record = self.snapshot, self.record
         if snapshot is None or snapshot.lesson is None or record is None:
             return None
@@ -181,12 +180,12 @@ class LessonActions(Subject):
 
     @property
     def is_over(self) -> bool:
-        """True if the last page is open and done."""
+        """True if the last page is done."""
         return self.record is not None and is_last_page(self.record) and self.stage in DONE
 
     @property
     def offers(self) -> tuple[Offer, ...]:
-        """The hints for enter on the key line, longest form first."""
+        """The hints for enter."""
         if self.record is None:
             return ()
         place, taken = self.board.lesson, keys_of(self.screen.focused)
@@ -201,7 +200,7 @@ class LessonActions(Subject):
 
     @property
     def idle_keys(self) -> frozenset[str]:
-        """The ids of actions to leave out of the key line."""
+        """The actions to leave out of the key line."""
         if self.is_asking:
             return frozenset(each.id for each in self.screen.known_actions if each.id != "help")
         if self.record is None:
@@ -211,13 +210,13 @@ class LessonActions(Subject):
         return idle if next_hint(self.record) else idle | {"lesson.hint"}
 
     def rows(self, rows: tuple[PanelRow, ...]) -> tuple[PanelRow, ...]:
-        """Return ``rows``, without the panel of lessons if there is no lesson."""
+        """Drop the lesson panel without a lesson."""
         return rows if self.record is not None else tuple(row for row in rows if not row.of_lesson)
 
     # Reading
 
     def go_on(self) -> None:
-        """Do what the page asks next, or show the page."""
+        """Do what the page asks, or show it."""
         stage, place = self.stage, self.board.lesson
         if not place.is_in_view:
             self.board.zoom(None)
@@ -241,7 +240,7 @@ class LessonActions(Subject):
         self.board.lesson.leave()
 
     def next_page(self) -> None:
-        """Scroll to the end of the page, then turn to the next."""
+        """Scroll to the end, then turn the page."""
         record, place = self.record, self.board.lesson
         if record is None or (place.is_in_view and place.panel.scroll_page(1)):
             return
@@ -262,13 +261,13 @@ class LessonActions(Subject):
         self._open(record, pages[record.lesson.number_of(page) + 1])
 
     def previous_page(self) -> None:
-        """Scroll to the top of the page, then turn to the one before."""
+        """Scroll to the top, then turn back."""
         record, place = self.record, self.board.lesson
         if record is None or (place.is_in_view and place.panel.scroll_page(-1)):
             return
         number = record.lesson.number_of(record.page)
         if not number:
-            self.screen.tell(FIRST_PAGE)
+            self.screen.tell("This is the first page.")
             return
         self._open(record, record.lesson.pages[number - 1])
 
@@ -317,7 +316,7 @@ class LessonActions(Subject):
     def _ask_number(self, ask: Ask, *, is_prediction: bool) -> None:
         title = "Your prediction" if is_prediction else "Your answer"
         verb = "lock" if is_prediction else "answer"
-        hint = to_ascii(f"{self._off_page(ask.ask)}\nA number, as 0.5, −2 or 1/3.".strip(), self.glyphs)
+        hint = to_ascii(f"{self._off_page(ask.ask)}\nA number, such as 0.5, −2 or 1/3.".strip(), self.glyphs)
         self.ask(Prompt(title, hint, "", read_answer, verb), lambda value: self._give(float(value)))
 
     def _ask_choice(self, ask: Ask) -> None:
@@ -346,7 +345,7 @@ class LessonActions(Subject):
         if record is None or snapshot is None or page.task is None:
             return
         if page.task.proof is None:
-            self.screen.tell(CAN_BE_DONE, timeout=_LONGEST_REPLY)
+            self.screen.tell(CAN_BE_DONE, timeout=_LONG)
             return
         self._keep(record.passes(Passed(page.id, snapshot.recipe, (), snapshot.counters.step, claim=True)))
         self._tell_passed()
@@ -367,7 +366,7 @@ class LessonActions(Subject):
         self.board.lesson.reads = True
 
     def set_up(self) -> None:
-        """Restart the run of the page, after a confirmation if steps were taken."""
+        """Restart the page's run, after a confirmation if steps were taken."""
         if self.snapshot is None or not self.snapshot.timeline.current.end:
             self._set_up()
             return
@@ -382,7 +381,7 @@ class LessonActions(Subject):
         try:
             recipe = recipe_of(record.lesson, setup)
         except UserError as fault:
-            self.screen.notify(str(fault), severity="error", markup=False)
+            complain(self.screen.app, fault)
             return
         self.link.send(Restart(recipe))
         speed = record.lesson.setups[setup].speed

@@ -1,4 +1,4 @@
-"""Requests of opened panels to the player: microscope, many seeds, policies."""
+"""Requests of opened panels to the player."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _TO_END: Final = 999  # rows
 
 
 class MicroscopeActions(Subject):
-    """The choice of the cell whose history the microscope shows."""
+    """The cell whose history the microscope shows."""
 
     _is_of_world = False
 
     def follow_update(self) -> None:
-        """Show the history of the last update, except during a run that already shows one."""
+        """Show the last update's history, unless a run already shows one."""
         runs = self.snapshot is not None and self.snapshot.playback.phase is Phase.RUNNING
         if self.board.opened != MICROSCOPE:
             self._show_history(None)
@@ -32,7 +32,7 @@ class MicroscopeActions(Subject):
             self._follow_cell()
 
     def follow_cursor(self, *, of_world: bool) -> None:
-        """Show the history of the cell under a cursor."""
+        """Show the history under a cursor."""
         world = self.board.world
         self._is_of_world = of_world and world is not None and world.cursor is not None
         if self.board.opened == MICROSCOPE:
@@ -70,7 +70,7 @@ class MicroscopeActions(Subject):
 
 
 class SeedActions(Subject):
-    """Studies of many seeds, which run while their panel is open."""
+    """Studies of many seeds while their panel is open."""
 
     _counts: bool = False
 
@@ -82,19 +82,19 @@ class SeedActions(Subject):
             self.link.send(StudySeeds() if is_open else EndStudy())
 
     def count_again(self) -> None:
-        """Start the study again for the current runs, unless it is under way."""
+        """Start the study again, unless it is under way."""
         if self.snapshot is not None and may_count_again(self.snapshot.study):
             self.link.send(StudySeeds())
 
 
 class PolicyActions(Subject):
-    """The choice of the policy on display."""
+    """The policy on display."""
 
     _is_open = _is_kept = False
     _chosen = PolicyKind.GREEDY
 
     def follow_panel(self) -> None:
-        """Show a policy when the panel opens, and none after it closes, unless kept."""
+        """Show a policy while the panel is open, or kept."""
         is_open = self.board.opened == POLICIES
         if is_open == self._is_open:
             return
@@ -106,7 +106,7 @@ class PolicyActions(Subject):
             self.link.send(StudyPolicy(None))
 
     def choose(self, offset: int) -> None:
-        """Show the policy ``offset`` rows further down, within the list."""
+        """Show the policy ``offset`` rows further down."""
         kinds = list(POLICY_NAMES)
         self.study(kinds[max(0, min(kinds.index(self._current) + offset, len(kinds) - 1))])
 
@@ -124,8 +124,8 @@ class PolicyActions(Subject):
         self.link.send(StudyPolicy(kind))
 
     def keep(self) -> None:
-        """Close the panel, but keep its policy on display."""
+        """Close the panel, but keep its policy."""
         self._is_kept = True
         self.board.close()
         name = policy_name(self._current)
-        self.screen.tell(f"Kept: {name}. v: Qπ in the table, t p and esc: end.")
+        self.screen.tell(f"Kept: {name}. v shows Qπ, t p and esc end this.")

@@ -19,7 +19,6 @@ from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.panels.program.words import form_text, table_texts
 
 FIRST_KEYS: Final = "space runs your program, s takes one of its steps"
-NO_PROGRAM: Final = "this is a built-in agent. Yours: rl-tui watch SCRIPT.py"
 _LONGEST_NAME: Final = 40
 _LONGEST_NEWS: Final = 300
 _UNTIL_READ: Final = 15.0
@@ -35,24 +34,24 @@ class ProgramActions(Subject):
         return None if self.snapshot is None else self.snapshot.program
 
     def why_not_to_it(self, action: Action) -> str:
-        """Return why ``action`` does not suit the program, or ""."""
+        """Return why ``action`` does not suit the program."""
         program = self.program
         if program is None:
-            return NO_PROGRAM if action.of_program else ""
+            return "this is a built-in agent. Yours: rl-tui watch SCRIPT.py" if action.of_program else ""
         return action.not_for_program.format(file=file_name(program))
 
     def in_order_of_help(self, panels: Sequence[PanelRow]) -> Sequence[PanelRow]:
-        """Return ``panels``, with those special to a watched program first."""
+        """Put a program's own panels first."""
         return panels if self.program is None else sorted(panels, key=lambda row: not row.of_program)
 
     def sets_itself(self) -> bool:
-        """Refuse to change settings if a program is watched. Return True if so."""
+        """Refuse to change a program's settings, and return True."""
         if self.program is not None:
             self.screen.refuse(DECIDES.format(file=file_name(self.program)))
         return self.program is not None
 
     def why_not(self, deed: str) -> str:
-        """Return why there is no table to choose."""
+        """Explain why there is no table to choose."""
         if deed != "choose_table" or self.program is None:
             return ""
         table = self.program.table
@@ -62,7 +61,7 @@ class ProgramActions(Subject):
         return "" if table.others else f"{name} is the only table of your program"
 
     def choose_table(self) -> None:
-        """Ask which table of the program is Q."""
+        """Ask which table is Q."""
         table = None if self.program is None else self.program.table
         if table is None:
             return
@@ -73,15 +72,18 @@ class ProgramActions(Subject):
             Candidate(str(place), one_line(name, _LONGEST_NAME), (form,))
             for place, (name, form) in enumerate(zip(names, forms, strict=True))
         ]
-        choice = Choice("The table that learns: the program starts again", candidates, "0", self.glyphs)
+        choice = Choice(
+            "Choose the table that learns. The program then starts again", candidates, "0", self.glyphs
+        )
         self.ask(choice, lambda place: self._take_table(names[int(place)]))
 
     def _take_table(self, name: str) -> None:
-        if self.program is not None and self.program.table is not None and self.program.table.name != name:
+        table = None if self.program is None else self.program.table
+        if table is not None and (table.name != name or table.other):
             self.link.send(ChooseTable(name))
 
     def announce(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Announce news of the program: how to start, a changed file, its end."""
+        """Announce how to start, a changed file, or the end."""
         program, was = now.program, None if before is None else before.program
         if program is None or now.playback.phase is Phase.PREPARING:
             return
@@ -95,5 +97,5 @@ class ProgramActions(Subject):
 
 
 def file_name(program: ProgramView) -> str:
-    """Return the short name of the program's file, without control characters."""
+    """Return the file's short name, without control characters."""
     return one_line(Path(program.path).name or program.title, _LONGEST_NAME)

@@ -1,4 +1,4 @@
-"""Control of the run: start, pause, step, speed, and other scenarios."""
+"""Control of the run and scenarios."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from rl_tui.agents.catalogue import algorithm_row
+from rl_tui.agents.catalogue import SweepPhase, algorithm_row
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import one_line
 from rl_tui.live.commands import Pause, Play, Restart, RunEpisode, RunSweep, SetSpeed, Step, WatchLearning
@@ -30,23 +30,15 @@ _UNTIL_READ: Final = 15.0
 
 @dataclass(eq=False)
 class ScenarioActions(Subject):
-    """The way to other scenarios, and to a changed version of the scenario's file."""
+    """The way to other scenarios in the list, and a changed file."""
 
     is_known: bool
     take: Callable[[Recipe], None]
     go_by: Callable[[int], None]
     _declined = ""
 
-    def previous(self) -> None:
-        """Go to the previous scenario of the list."""
-        self.go_by(-1)
-
-    def following(self) -> None:
-        """Go to the next scenario of the list."""
-        self.go_by(1)
-
     def why_not(self, deed: str) -> str:
-        """Return why there is no settings map."""
+        """Explain why there is no settings map."""
         if deed != "map_settings" or self.snapshot is None:
             return ""
         from rl_tui.studies.atlas.request import why_unmapped
@@ -56,20 +48,24 @@ class ScenarioActions(Subject):
 
     def map_settings(self) -> None:
         """Open the settings map."""
-        # a late import, not needed for the first paint
-        from rl_tui.screen.atlas.atlas import open_atlas
+        # late imports, not needed for the first paint
+        from rl_tui.screen.atlas.atlas import AtlasDialog
+        from rl_tui.studies.atlas.request import surroundings
 
-        open_atlas(self, self.take)
+        if self.snapshot is not None:
+            is_awaited = not self.link.player.is_automatic
+            request = surroundings(self.link.wanted.recipe, self.snapshot.world, is_awaited=is_awaited)
+            self.ask(AtlasDialog(self.screen.look, request), self.take)
 
     def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
-        """Restart, after a question if the scenario's file has changed."""
+        """Restart, after a question if the file has changed."""
         scenario, fault = None, ""
         try:
             if self.is_known and self.link.wanted.lesson is None and not self.screen.in_kiosk:
                 scenario = reread(self.link.wanted.recipe.scenario)
         except ScenarioError as error:
             more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""
-            fault = f"the changed file has an error, and the old world stays: {error.faults[0]}{more}"
+            fault = f"the file has an error, so the old world stays: {error.faults[0]}{more}"
         now = self.snapshot
         if (
             scenario is None
@@ -147,7 +143,7 @@ class RunActions(Subject):
         return phase in (Phase.RUNNING, Phase.SEEKING)
 
     def rest(self) -> None:
-        """Pause a run that goes on without a user."""
+        """Pause a run without a user."""
         if self.is_under_way:
             self.link.send(Pause())
             self.screen.tell("Paused: no key was pressed for several minutes.", timeout=_UNTIL_SEEN)
@@ -157,23 +153,19 @@ class RunActions(Subject):
         self.link.send(Step())
 
     def episode(self) -> None:
-        """Run to the end of the episode."""
+        """Run to the episode's end."""
         self.link.send(RunEpisode())
 
-    def evaluate(self) -> None:
-        """Run one policy-evaluation sweep."""
-        self.link.send(RunSweep("evaluation"))
-
-    def improve(self) -> None:
-        """Run one policy-improvement sweep."""
-        self.link.send(RunSweep("improvement"))
+    def sweep(self, phase: SweepPhase) -> None:
+        """Run one sweep of policy iteration."""
+        self.link.send(RunSweep(phase))
 
     def why_not(self, deed: str) -> str:
-        """Return why the run cannot step, or has no sweeps."""
+        """Explain why the run cannot step."""
         if deed in _STEPPING:
             return "" if self.link.settled is None else why_over(self.link.settled)
         takes_orders = algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
-        if deed not in ("evaluate", "improve") or takes_orders:
+        if not deed.startswith("sweep") or takes_orders:
             return ""
         if self.snapshot is not None and self.snapshot.world.mdp is None:
             return "only policy iteration has such sweeps, and it needs a transition table"
@@ -200,7 +192,7 @@ class RunActions(Subject):
             self.screen.tell("Restarted with your settings. r p: settings of the page.")
         elif self.snapshot is not None and self.snapshot.timeline.current.end:
             kept = "gone (this is a kiosk)" if self.screen.in_kiosk else "kept on the start screen"
-            self.screen.tell(f"Started again. The run until now is {kept}.")
+            self.screen.tell(f"Started again. The earlier run is {kept}.")
         self.link.send(Restart(self.link.wanted.recipe))
 
 

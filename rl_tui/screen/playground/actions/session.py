@@ -1,10 +1,12 @@
-"""The session of a playground: saving, and a check after resuming."""
+"""Saving a session, and the way out."""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
@@ -14,12 +16,14 @@ from rl_tui.live.sessions.session import OTHER_BITS, SessionError, StoredSession
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.form import Prompt
+from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.panels.status_line import StatusLine
+from rl_tui.screen.playground.modes.mode import Modes
 
 
 @dataclass(eq=False)
 class SessionActions(Subject):
-    """The saving by ``autosave``, and one comparison of the run with ``resumed``."""
+    """The saving by ``autosave``, and one comparison with ``resumed``."""
 
     status: StatusLine
     autosave: Autosave | None
@@ -27,14 +31,14 @@ class SessionActions(Subject):
     _name: str = ""
 
     def show_name(self) -> None:
-        """Show the name of the session, if a person gave one."""
+        """Show the session's given name."""
         name = "" if self.autosave is None else self.autosave.title
         if name != self._name:
             self._name = name
             self.status.name_session(one_line(name, LONGEST_NAME))
 
     def listen(self) -> None:
-        """Show all later notices about the session, which may come from any thread."""
+        """Show later notices, which may come from any thread."""
         notify = partial(self.screen.notify, severity="warning", timeout=15, markup=False)
 
         def listen(notice: str) -> None:
@@ -44,11 +48,11 @@ class SessionActions(Subject):
             self.autosave.listen(listen)
 
     def named(self, fault: UserError) -> UserError:
-        """Return ``fault`` with the file of the session that could not be resumed."""
+        """Name the file that could not be resumed."""
         return fault if self.resumed is None else SessionError(self.resumed.path, str(fault))
 
     def compare_with_saved(self, snapshot: Snapshot) -> None:
-        """Warn if the resumed run differs from the saved one."""
+        """Warn if the resumed run differs."""
         if self.resumed is None or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
             return
         document, self.resumed = self.resumed.document, None
@@ -66,18 +70,18 @@ class SessionActions(Subject):
 
     @property
     def after_leaving(self) -> str:
-        """A clause about the run after a person has left it."""
+        """A clause about the run after leaving."""
         if self.snapshot is not None and self.snapshot.program is not None:
             return "your program then ends"
         return "this run is then gone" if self.screen.in_kiosk else "this run is kept"
 
     def why_not(self, deed: str) -> str:
-        """Return why nothing can be saved."""
+        """Explain why nothing can be saved."""
         reason = ": this is a kiosk" if self.screen.in_kiosk else ""
         return f"no session is saved here{reason}" if deed == "save" and self.autosave is None else ""
 
     def save(self) -> None:
-        """Ask for a name, and save the session."""
+        """Ask for a name, and save."""
         autosave = self.autosave
         if autosave is None:
             return
@@ -88,20 +92,72 @@ class SessionActions(Subject):
             except UserError as fault:
                 raise ValueError(str(fault)) from fault
             if path != autosave.path and path.exists():
-                raise ValueError("another session has this name: type another")
+                raise ValueError("another session has this name: type a new one")
             return text.strip()
 
         def save(name: float | str) -> None:
             self.screen.run_worker(self._save(autosave, str(name)), name="save the session")
 
-        hint = "This session is now saved under that name."
+        hint = "From now on, this session has that name. The start screen lists it."
         self.ask(Prompt("Save the session as", hint, autosave.title, read, "save"), save)
 
     async def _save(self, autosave: Autosave, name: str) -> None:
         try:
             path = await asyncio.to_thread(autosave.save_as, name)
         except UserError as fault:
-            self.screen.notify(str(fault), severity="error", timeout=15, markup=False)
+            complain(self.screen.app, fault)
         else:
-            self.screen.notify(f"saved: {path}", timeout=8, markup=False)
+            self.screen.tell(f"saved: {path}", timeout=8)
             self.show_name()
+
+
+# Leaving, in steps
+
+
+LEAVING_KEYS: Final = ("escape", "q")
+
+
+@dataclass(eq=False)
+class Leaving(Subject):
+    """The way out: close what is open, then maybe ask."""
+
+    session: SessionActions
+    modes: Modes
+    is_over: Callable[[], bool]
+    leave: Callable[[], None]
+    asked: tuple[str, int] | None = None
+    """The key that asked, and the last deed then."""
+
+    def back(self) -> None:
+        """Close what is open, or go back."""
+        where = "the start screen" if self.link.wanted.lesson is None else "the lessons"
+        if not self._closes() and not self._asks("esc", f"esc again: back to {where}"):
+            self.leave()
+
+    def quit(self) -> None:
+        """Close what is open, or quit."""
+        if not self._closes() and not self._asks("q", "q again quits"):
+            self.screen.app.exit()
+
+    def _closes(self) -> bool:
+        page = self.board.lesson
+        if self.board.zoomed:
+            self.board.zoom(None)
+        elif page.panel.takes_turns and page.is_in_view and not self.is_over():
+            page.reads = False
+        elif self.board.opened is not None:
+            self.board.close()
+        elif self.modes.current is not None and not self.is_over():
+            self.modes.current.toggle()
+        else:
+            return False
+        return True
+
+    def _asks(self, key: str, question: str) -> bool:
+        wanted = self.link.wanted
+        asked = key, wanted.last_deed
+        if self.is_over() or not wanted.was_used(self.snapshot) or self.asked == asked:
+            return False
+        self.asked = asked
+        self.screen.tell(f"{question}; {self.session.after_leaving}.")
+        return True

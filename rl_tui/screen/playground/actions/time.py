@@ -1,4 +1,4 @@
-"""Travel in time: steps and episodes back, any moment, other branches."""
+"""Travel in time, and between branches."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from rl_tui.worlds.drawing import Arms
 
 
 class TimeActions(Subject):
-    """Moves of the run in time, and between branches."""
+    """Moves in time and between branches."""
 
     _sought_episode: int | None = None  # the episode that the run seeks
     _sought_branch: int | None = None
     """The branch that the run goes to."""
 
     def why_not(self, deed: str) -> str:
-        """Return why the run cannot go back, or to another moment."""
+        """Explain why the run cannot go to another moment."""
         snapshot = self.snapshot
         if deed in ("step_back", "episode_back"):
             is_at_start = self.link.settled is not None and not self.link.settled.counters.step
@@ -39,11 +39,11 @@ class TimeActions(Subject):
         self.link.send(StepBack())
 
     def episode_back(self) -> None:
-        """Go back to the start of the episode."""
+        """Go to the start of the episode."""
         self.link.send(EpisodeBack())
 
     def go_to(self) -> None:
-        """Ask for a step or an episode, and go there."""
+        """Ask for a moment, and go there."""
 
         def go(text: float | str) -> None:
             if text == BRANCHES:
@@ -61,22 +61,18 @@ class TimeActions(Subject):
         if self.snapshot is not None:
             self.ask(JournalScreen(self.screen.look, self.snapshot), self._go_to_branch)
 
-    def to_start(self) -> None:
-        """Go to step 0."""
-        self.seek(0)
-
     def to_end(self) -> None:
-        """Go to the end of the run so far."""
+        """Go to the run's end so far."""
         if self.snapshot is not None:
             self.seek(self.snapshot.timeline.current.end)
 
     def seek(self, step: int) -> None:
-        """Go to the step chosen on the timeline."""
+        """Go to the timeline's step."""
         self.link.wanted.step = step
         self.link.send(GoTo(step))
 
     def announce(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Announce a new branch between two snapshots, and the arrival at a moment."""
+        """Announce a new branch, and the arrival."""
         if before is not None and _has_forked(before, now):
             branch = now.timeline.current
             parent = now.timeline.branches[branch.parent or 0]

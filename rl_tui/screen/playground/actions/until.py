@@ -20,12 +20,12 @@ NO_BREAKPOINTS: Final = "there are no breakpoints. t b: set one at the cursor"
 
 
 class UntilActions(Subject):
-    """Runs until a condition is met, and breakpoints."""
+    """Conditions to run until, and breakpoints."""
 
-    _chosen_last = ""  # the id of the option chosen last
+    _chosen_last = ""
 
     def why_not(self, deed: str) -> str:
-        """Return why the run cannot go on, or has no such breakpoint."""
+        """Explain why the run cannot go on, or has no breakpoint."""
         if deed == "choose":
             return "" if self.link.settled is None else why_over(self.link.settled)
         snapshot = self.snapshot
@@ -59,7 +59,7 @@ class UntilActions(Subject):
         self.ask(choice, self._run_until)
 
     def toggle_breakpoint(self) -> None:
-        """Set or clear a breakpoint at the cursor."""
+        """Set or clear a breakpoint."""
         snapshot = self.snapshot
         if snapshot is None:
             return
@@ -75,7 +75,7 @@ class UntilActions(Subject):
             return
         self.link.send(here)
         stop = f"breakpoint on {name}: pauses each time it is {happens}"
-        self.screen.tell(f"no breakpoint on {name} any more" if is_set else stop)
+        self.screen.tell(f"breakpoint on {name} removed" if is_set else stop)
 
     def _breakpoint_here(self, snapshot: Snapshot) -> ToggleBreakpoint | None:
         focused = self.screen.focused

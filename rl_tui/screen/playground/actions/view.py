@@ -1,4 +1,4 @@
-"""Changes of the view: layers, full screen, exact values, the model."""
+"""Changes of the view."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from rl_tui.live.commands import AskCheck, AskFlips, HideAnswer, LookAt
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.flip_answer import FlipState
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.dialogs.dialog import ModelScreen
 from rl_tui.screen.frame.key_line import Hints
 from rl_tui.screen.kit.layers import ACTION_LAYERS, Layer
 from rl_tui.screen.kit.row import DISCOUNT, WORLD, WORLD_CHECK
@@ -20,14 +19,13 @@ _AROUND = 2  # columns and rows around a full-screen map
 
 
 class ViewActions(Subject):
-    """Changes of the view of a snapshot."""
+    """Layers, full screen and exact values."""
 
-    _model: ModelScreen | None = None
     _flips_asked: World | None = None
     _asks_check: bool = False
 
     def why_not(self, deed: str) -> str:
-        """Return why exact values or cells cannot change."""
+        """Explain why exact values or cells cannot change."""
         snapshot = self.snapshot
         if snapshot is None:
             return ""
@@ -43,7 +41,7 @@ class ViewActions(Subject):
         return ""
 
     def value(self, deed: str) -> str:
-        """Return the current value for a row of the menu."""
+        """Return the value for a menu."""
         legends = self.board.legends
         values = {
             "hide_answer": "hidden" if self.link.wanted.is_hidden else "shown",
@@ -54,9 +52,8 @@ class ViewActions(Subject):
         return "" if self.why_not(deed) else values.get(deed, "")
 
     def look_at(self) -> None:
-        """Ask for a copy of the parts of a large world in view."""
-        pair = self._model.pair if self._model else None
-        self.link.send(LookAt(self.board.viewport._replace(pair=pair)))
+        """Ask for the visible parts of a large world."""
+        self.link.send(LookAt(self.board.viewport))
 
     def follow_panel(self) -> None:
         """Check the world while its panel is open."""
@@ -66,7 +63,7 @@ class ViewActions(Subject):
             self.link.send(AskCheck(is_open))
 
     def follow_flips(self) -> None:
-        """Ask once for the flip points of the current world, if wanted."""
+        """Ask once for the flip points, if wanted."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.world is self._flips_asked:
             return
@@ -77,7 +74,6 @@ class ViewActions(Subject):
             self.link.send(AskFlips())
 
     def _wants_flips(self, snapshot: Snapshot) -> bool:
-        """Return True if flip points are wanted by their panel or the slider of γ."""
         if self.board.opened == DISCOUNT or is_secret(snapshot):
             return self.board.opened == DISCOUNT
         focused = self.screen.focused
@@ -87,7 +83,7 @@ class ViewActions(Subject):
         return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
 
     def next_layer(self) -> None:
-        """Go to the next layer, or show only the table."""
+        """Go to the next layer, or only the table's."""
         board, order = self.board, list(Layer)
         choices = [layer for layer in board.table.layer_choices if self._is_seen(layer)]
         if len(choices) < 2 and board.zoomed is None:
@@ -107,7 +103,7 @@ class ViewActions(Subject):
         return world is not None and board.shows(world.id or "") and world.has_layer(layer)
 
     def turn_actions(self) -> None:
-        """Switch the cells of a map between Q of every action and V."""
+        """Switch a map's cells between all Q and V."""
         view = self.board.world
         if view is None:
             return
@@ -129,14 +125,14 @@ class ViewActions(Subject):
             self.board.world.focus()
 
     def with_way_back(self, offered: tuple[Hints, ...]) -> tuple[Hints, ...]:
-        """Return the hints ``offered``, with the key that ends full screen if necessary."""
+        """Add the key that ends full screen."""
         if not self.board.zoomed:
             return offered
         way_back: Hints = (("f", "all panels"),)
         return (*((*form, *way_back) for form in offered), *(offered or (way_back,)))
 
     def zoom(self) -> None:
-        """Switch one panel to full screen, or back."""
+        """Switch full screen."""
         self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.screen.focused))
 
     def hide_answer(self) -> None:
@@ -156,23 +152,7 @@ class ViewActions(Subject):
             self.board.show(self.snapshot)
 
     def numbers(self) -> None:
-        """Hide or show the numbers of states in a map."""
+        """Hide or show a map's state numbers."""
         legends = self.board.legends
         legends.numbers_states = not legends.numbers_states
         self.board.apply_switches()
-
-    def model(self) -> None:
-        """Open the model, updated live."""
-        if self.snapshot is None:
-            return
-        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
-        if pair is None and last is not None and (last.learned or not last.planned):
-            pair = last.updated_pair if last.planned else last.pair
-        self._model = ModelScreen(
-            self.screen.look, self.snapshot, pair, on_scrolled=self.look_at, hide_answer=self.hide_answer
-        )
-
-        def close(_: None) -> None:
-            self._model = None
-
-        self.screen.app.push_screen(self._model, close)

@@ -1,4 +1,4 @@
-"""Edits of maps: brushes, jumps, rewards and regions."""
+"""Edits of maps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _one_way(place: int, glyphs: Glyphs) -> str:
 
 
 class Brush(NamedTuple):
-    """A ``character`` to paint, with the ``entry`` for legends that lack it."""
+    """A ``character`` to paint, and its ``entry`` in a legend."""
 
     key: str
     character: str
@@ -39,16 +39,10 @@ BRUSHES: Final = (
         "full_stop",
         FLOOR,
         "floor",
-        "Paint floor: it is free to walk on.",
+        "Paint floor: a free cell.",
         Sign(CellKind.FLOOR, lambda glyphs: glyphs.untried),
     ),
-    Brush(
-        "number_sign",
-        "#",
-        "wall",
-        "Paint a wall.",
-        Sign(CellKind.WALL, lambda glyphs: glyphs.wall * 3),
-    ),
+    Brush("number_sign", "#", "wall", "Paint a wall.", Sign(CellKind.WALL, lambda glyphs: glyphs.wall * 3)),
     Brush("S", START, "start", "Let episodes start here.", Sign(CellKind.START, lambda _: START)),
     Brush(
         "G",
@@ -76,7 +70,7 @@ BRUSHES: Final = (
         "X",
         "X",
         "exit",
-        "Paint an exit: its action pays 1 and ends.",
+        "Paint an exit: leaving pays 1, the episode ends.",
         Sign(CellKind.GOAL, lambda _: "1"),
         LegendEntry(kind=CellKind.GOAL, exit=True),
     ),
@@ -101,13 +95,13 @@ BRUSHES: Final = (
 
 
 def painted(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> tuple[Edit, ...]:
-    """Return the edits that paint ``brush`` on ``cells``."""
+    """Paint ``brush`` on ``cells``."""
     character = character_of(draft, brush)
     return (*before_painting(draft, brush, cells), *runs(cells, lambda _: character))
 
 
 def character_of(draft: GridDraft, brush: Brush) -> str:
-    """Return the character of ``brush`` in this map."""
+    """Return the brush's character in this map."""
     if brush.entry is None:
         return brush.character
     same = (
@@ -119,7 +113,7 @@ def character_of(draft: GridDraft, brush: Brush) -> str:
 
 
 def before_painting(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> Iterator[Edit]:
-    """Yield the edits needed first: add a legend entry, remove the old start."""
+    """Yield edits needed first: add a legend entry, remove the old start."""
     legend, character = draft.legend, character_of(draft, brush)
     if brush.entry is not None and character not in legend:
         raw = brush.entry.model_dump(mode="json", exclude_defaults=True)
@@ -134,7 +128,7 @@ def before_painting(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> It
 
 
 def called(entry: LegendEntry | None) -> str:
-    """Return the name of a cell with that legend ``entry``."""
+    """Name a cell with that legend ``entry``."""
     if entry is None:
         return "unknown"
     if entry.jump is not None:
@@ -145,7 +139,7 @@ def called(entry: LegendEntry | None) -> str:
 
 
 def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
-    """Return the edits that make every action in ``source`` lead to ``target``, with the same reward.
+    """Make every action in ``source`` lead to ``target``, with the same reward.
 
     Raises:
         ValueError: There can be no such jump.
@@ -159,7 +153,7 @@ def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
     taken = {*legend, *"".join(draft.lines)}
     free = [each for each in _FREE if each not in taken]
     if len(free) < 2:
-        raise ValueError("there is no character left for a jump")
+        raise ValueError("no character is left for a jump")
     edits, landing = list[Edit](), there
     if sum(line.count(there) for line in draft.lines) != 1:
         landing = free.pop()
@@ -177,7 +171,7 @@ def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
 
 
 def region(draft: GridDraft, start: Cell) -> list[Cell]:
-    """Return the connected cells with the character of ``start``."""
+    """Return the connected equal cells."""
     lines, found, left = draft.lines, {start}, [start]
     wanted = lines[start[0]][start[1]]
     while left:
@@ -191,7 +185,7 @@ def region(draft: GridDraft, start: Cell) -> list[Cell]:
 
 
 def paying_more(draft: GridDraft, cells: Sequence[Cell], amount: float) -> list[Edit]:
-    """Return the edits that raise the reward of ``cells`` by ``amount``, except walls."""
+    """Raise the reward of ``cells``, except walls."""
     legend, pay = draft.legend, dict[Cell, str]()
     for row, column in cells:
         entry = legend.get(draft.lines[row][column])
@@ -201,13 +195,13 @@ def paying_more(draft: GridDraft, cells: Sequence[Cell], amount: float) -> list[
 
 
 def pays(draft: GridDraft, rows: range, columns: range) -> bool:
-    """Return True if any of these cells can have a reward."""
+    """Return whether any cell can have a reward."""
     there = {character for row in rows for character in draft.lines[row][columns.start : columns.stop]}
     return any(entry is not None and not entry.is_wall for entry in map(draft.legend.get, there))
 
 
 def runs(cells: Sequence[Cell], value: Callable[[Cell], str], name: str = "cell") -> Iterator[Edit]:
-    """Yield the edits of ``cells``, one per stretch of equal values."""
+    """Yield one edit per stretch of equal values."""
     ordered = sorted(set(cells))
     for (row, _, what), group in groupby(
         enumerate(ordered), key=lambda each: (each[1][0], each[1][1] - each[0], value(each[1]))
@@ -217,10 +211,10 @@ def runs(cells: Sequence[Cell], value: Callable[[Cell], str], name: str = "cell"
 
 
 def at(row: int, column: int) -> tuple[str, str]:
-    """Return the place of one cell in an edit."""
+    """Write one cell's place in an edit."""
     return str(row), str(column)
 
 
 def span(lines: range) -> str:
-    """Return a range of rows or columns in the form of an edit."""
+    """Write a range of rows or columns."""
     return str(lines.start) if len(lines) == 1 else f"{lines.start}:{lines.stop}"

@@ -1,4 +1,4 @@
-"""Draw policy: a person chooses an action for each state."""
+"""Draw policy: a person chooses actions."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _FIGURE = 8  # cells of a return, as in the table of policies
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return the title while a policy is drawn, longest form first."""
+    """Return titles while a policy is drawn."""
     figures = tuple(_figures(snapshot, glyphs))
     if not figures:
         return "You draw a policy", "You draw"
@@ -64,7 +64,6 @@ def _forms(figures: Sequence[Sequence[str]]) -> Iterator[tuple[str, ...]]:
 
 
 def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
-    """Yield the return of the drawn policy, then the states left open."""
     world, answers = snapshot.world, snapshot.answers
     if not answers.drawn.choices:
         yield (f"all at random ({AT_RANDOM})", "all at random")
@@ -88,13 +87,11 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
 
 
 def _amount(x: float, glyphs: Glyphs) -> str:
-    """Return ``x`` exactly if short, else as in the table of policies."""
     exact = numbers.brief(x, glyphs, decimals=numbers.DECIMALS)
     return exact if len(exact) < _FIGURE - 1 and abs(x) < 1_000.0 else numbers.figure(x, _FIGURE, glyphs)
 
 
 def _left(count: int) -> tuple[str, ...]:
-    """Return the number of undrawn states on its way, longest form first."""
     if not count:
         return "its path is drawn", "path drawn"
     return (
@@ -107,7 +104,7 @@ def _left(count: int) -> tuple[str, ...]:
 
 
 def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
-    """Return the keys for ``state``, longest form first. None means no choice."""
+    """Return the keys for ``state``. None means no choice."""
     if state is None:
         return f"{NOTHING_TO_CHOOSE} here · {_END}", _END
     forms = actions_in_a_line(world, state, glyphs) or (f"{digits_in_words(world, state)}: arm",)
@@ -141,7 +138,7 @@ def hints(world: World) -> Hints:
 _DRAWS: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
 _NONE: Final = ("delete", "backspace")
 _CLEAR: Final = "C"
-_NOTHING_DRAWN: Final = "nothing is drawn yet"
+_NOTHING_DRAWN: Final = "nothing drawn yet"
 
 POLICY_ACTIONS: Final = tuple(
     Action(f"drawing.{method}", ",".join(keys), label, help_, Group.DRAWING, symbol=symbol)
@@ -156,7 +153,7 @@ POLICY_ACTIONS: Final = tuple(
 
 
 class PolicyDrawing(KeyMode):
-    """The drawing of a policy at the cursor of the world."""
+    """The drawing of a policy."""
 
     keys: ClassVar[Mapping[str, str]] = {
         **{key: each.help for each in POLICY_ACTIONS for key in each.keys},
@@ -164,14 +161,14 @@ class PolicyDrawing(KeyMode):
     }
     actions = POLICY_ACTIONS
     way_back = (
-        "click or tab here to draw on · w p ends it",
-        "tab here to draw on · w p ends it",
+        "click or tab here to draw again · w p ends it",
+        "tab here to draw again · w p ends it",
         "w p ends it",
     )
     _studied_before: PolicyKind | None = None
 
     def takes(self, key: str) -> bool:
-        """Return True if ``key`` draws or leaves."""
+        """Return whether ``key`` draws or leaves."""
         view = self._view
         if view is None:
             return False
@@ -180,7 +177,7 @@ class PolicyDrawing(KeyMode):
         return key in (*DIGITS, *_NONE, _CLEAR, LEAVE) or (key == "enter" and isinstance(view, ArmsView))
 
     def press(self, key: str) -> None:
-        """Draw the action of ``key`` in the state under the cursor."""
+        """Draw the key's action at the cursor."""
         view = self._view
         if key == LEAVE:
             self.toggle()
@@ -196,7 +193,7 @@ class PolicyDrawing(KeyMode):
             self._draw_numbered(view, key)
 
     def point(self, step: tuple[int, int] | None) -> None:
-        """Draw the action towards a side of the cell, or the arm."""
+        """Draw the action towards a side, or the arm."""
         view = self._view
         if isinstance(view, ArmsView):
             self._draw_arm(view)
@@ -204,7 +201,7 @@ class PolicyDrawing(KeyMode):
             self._draw_towards(view, step, moves=False)
 
     def why_not(self, deed: str) -> str:
-        """Return why no policy can be drawn or cleared."""
+        """Explain why no policy can be drawn or cleared."""
         if deed == "ask_to_clear":
             return "" if self._drawn else _NOTHING_DRAWN
         return "" if self.is_on or self.snapshot is None else _refused(self.snapshot.world)
@@ -230,7 +227,7 @@ class PolicyDrawing(KeyMode):
         self.screen.tell(_first_words(snapshot.world))
 
     def leave(self) -> None:
-        """Return keys and focus, and keep the drawn policy."""
+        """Return keys and focus, and keep the policy."""
         if self.is_on:
             super().leave()
             if not self._has_panel:
@@ -248,7 +245,7 @@ class PolicyDrawing(KeyMode):
         self.screen.tell("What you drew is kept. w p: go on drawing.")
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the drawn policy, and the keys for the state under the cursor."""
+        """Show the drawn policy, and the keys at the cursor."""
         if self.link.wanted.studied is None:
             self.link.send(StudyPolicy(PolicyKind.DRAWN))  # closing a panel has ended it
         view, world, glyphs = self._view, snapshot.world, self.glyphs
@@ -318,7 +315,7 @@ class PolicyDrawing(KeyMode):
             self.link.send(DrawAction(state, int(view.world.space.pair_action[place])))
 
     def draw_nothing(self) -> None:
-        """Draw no action in the state under the cursor."""
+        """Draw no action at the cursor."""
         view = self._view
         state = None if view is None else self._state_to_draw_in(view)
         if state is not None:
@@ -343,7 +340,7 @@ class PolicyDrawing(KeyMode):
             self.screen.refuse(_NOTHING_DRAWN)
             return
         question = f"You have drawn an action in {counted(self._drawn, 'state')}. This cannot be undone."
-        self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
+        self.ask(Confirm("Clear the drawn policy?", question, "clear all", self.glyphs), self._clear)
 
     def _clear(self, _: bool) -> None:
         self.link.send(ClearDrawing())
@@ -351,7 +348,7 @@ class PolicyDrawing(KeyMode):
 
 
 def likely_cell(world: World, state: int, action: int) -> int:
-    """Return the cell to which ``action`` most likely leads from ``state``."""
+    """Return the likeliest next cell."""
     mdp, grid, pair = world.mdp, world.drawing, world.space.pair_of(state, action)
     if mdp is None or pair is None or not isinstance(grid, Grid):
         raise ValueError("only maps with a table have a cell that an action leads to")
@@ -365,7 +362,6 @@ def likely_cell(world: World, state: int, action: int) -> int:
 
 
 def _refused(world: World) -> str:
-    """Return why nothing can be drawn in ``world``, or an empty string."""
     if world.mdp is None:
         return "without a transition table, a drawn policy has no exact return"
     if not (np.diff(world.space.first_pair) > 1).any():

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import chain
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import place
+from rl_tui.common.words import counted
 from rl_tui.live.commands import DrawWorld, HideAnswer, OpenEditor, RedoStroke, UndoStroke
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.world_editor import IN_LESSON
@@ -28,11 +30,48 @@ from rl_tui.screen.playground.modes.map_tools import MapTools
 from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, WITH_SHIFT, KeyMode
 from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox
 from rl_tui.screen.playground.modes.saving import ScenarioSaving
-from rl_tui.screen.playground.modes.texts import prompts, title
 from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.editing.arms_draft import Draft
+from rl_tui.worlds.editing.drafts import refusal, seen_refusal
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.files.scenario import Scenario
+
+# Texts around the world
+
+
+END: Final = "esc: end"
+_MISSING: Final = "nothing"  # "found" in findings about missing parts
+
+
+def title(snapshot: Snapshot) -> tuple[str, ...]:
+    """Return titles during editing."""
+    editor = snapshot.editor
+    if editor.unfinished:
+        first = editor.unfinished[0]
+        found = f"no {first.location[-1]}" if first.found == _MISSING else first.found
+        why = f"{found}, but {first.expected} is needed" if first.expected else found
+        return (
+            f"Not a world yet: {why} · the agent continues in the previous world",
+            f"Not a world yet: {why}",
+            f"Not yet: {found.partition('; ')[0]}",
+            f"unfinished: {place(first.location)}",
+        )
+    notes = []
+    if editor.turned:
+        notes.append(f"optimal action changed in {counted(len(editor.turned), 'state')}")
+    if editor.endless:
+        notes.append(f"no path to an end from {counted(len(editor.endless), 'state')}")
+    together = " · ".join(notes)
+    if not together:
+        return "You draw the world", "You draw"
+    return f"You draw the world · {together}", f"You draw · {together}", together, *notes, "You draw"
+
+
+def prompts(snapshot: Snapshot, about: Sequence[str]) -> tuple[str, ...]:
+    """Return texts ``about`` the cursor, and how to leave."""
+    undo = " · z: undo" if snapshot.editor.can_undo else ""
+    return (*(f"{each}{undo} · {END}" for each in about), *(f"{each} · {END}" for each in about), *about, END)
+
 
 # Strokes not yet applied
 
@@ -46,7 +85,6 @@ class PendingStrokes:
         self._drawn: tuple[Draft, int | None, int, Draft] | None = None
 
     def __bool__(self) -> bool:
-        """Return True if there are any strokes."""
         return bool(self._sent)
 
     def note(self, number: int, edits: Sequence[Edit]) -> None:
@@ -54,11 +92,11 @@ class PendingStrokes:
         self._sent.append((number, tuple(edits)))
 
     def forget(self) -> None:
-        """Forget all strokes before an undo or redo, which changes others."""
+        """Forget strokes before an undo or redo, which changes others."""
         self._sent.clear()
 
     def draft(self, snapshot: Snapshot) -> Draft | None:
-        """Return the draft of ``snapshot`` with all later strokes, or None without a draft.
+        """Return the draft with all later strokes, if there is one.
 
         Each stroke is applied once per snapshot, because a wheel sends hundreds.
         """
@@ -82,66 +120,37 @@ class PendingStrokes:
 # The mode
 
 
-TOOLBOXES: Final[Mapping[type, type[Toolbox]]] = {
-    Grid: MapTools,
-    Graph: GraphTools,
-    Arms: ArmsTools,
-}
+TOOLBOXES: Final[Mapping[type, type[Toolbox[Any]]]] = {Grid: MapTools, Graph: GraphTools, Arms: ArmsTools}
 """The tools for each kind of drawing."""
 
-_KIOSK: Final = "saving is off here: this is a kiosk"
-_NOTHING_TO_UNDO: Final = "nothing is left to undo"
-_NO_SLIDERS: Final = "the panel Draw is not in view"
-_NOTHING_TO_REDO: Final = "nothing was undone: there is nothing to redo"
 
 ALWAYS: Final = (
-    Tool(
-        "w s",
-        "save…",
-        "Save the world as a scenario file.",
-        lambda editing, _: editing.saving.save(),
-        why_not=lambda editing, _: _KIOSK if editing.screen.in_kiosk else "",
+    Tool("w s", "save…", "Save the world as a scenario file.", lambda editing, _: editing.saving.save()).also(
+        why_not=lambda editing, _: "saving is off here: this is a kiosk" if editing.screen.in_kiosk else ""
     ),
     Tool(
         DRAW_PATH[0],
         "tools…",
         "Open the menu of all other tools.",
         lambda editing, _: editing.screen.menus.open(DRAW_PATH[0]),
-        rank=3,
-        hint=(DRAW_PATH[0], "tools"),
+    ).also(rank=3, hint=(DRAW_PATH[0], "tools")),
+    Tool("z", "undo", "Undo the last stroke.", lambda editing, _: editing.undo()).also(
+        why_not=lambda editing, desk: "" if editing.can_undo(desk) else "nothing left to undo", rank=4
     ),
-    Tool(
-        "z",
-        "undo",
-        "Undo the last stroke.",
-        lambda editing, _: editing.undo(),
-        why_not=lambda editing, desk: "" if editing.can_undo(desk) else _NOTHING_TO_UNDO,
-        rank=4,
+    Tool("Z", "redo", "Redo the stroke that you undid.", lambda editing, _: editing.redo()).also(
+        why_not=lambda editing, desk: "" if editing.can_redo(desk) else "nothing to redo"
     ),
-    Tool(
-        "Z",
-        "redo",
-        "Redo the stroke that you undid.",
-        lambda editing, _: editing.redo(),
-        why_not=lambda editing, desk: "" if editing.can_redo(desk) else _NOTHING_TO_REDO,
-    ),
-    Tool(
-        LEAVE,
-        "end drawing",
-        "End drawing, and keep the world.",
-        lambda editing, _: editing.end(),
-        "esc",
-        rank=7,
-        hint=("esc", "end"),
-        is_told=True,
+    Tool(LEAVE, "end drawing", "End drawing, and keep the world.", lambda editing, _: editing.end()).also(
+        symbol="esc", rank=7, hint=("esc", "end"), is_told=True
     ),
     Tool(
         DIGITS[0],
         "sliders",
         "Go to a slider of the world.",
         lambda editing, _: editing.go_to_slider(DIGITS[0]),
-        "1 2 3",
-        why_not=lambda editing, _: "" if editing.board.shows(DRAW) else _NO_SLIDERS,
+    ).also(
+        symbol="1 2 3",
+        why_not=lambda editing, _: "" if editing.board.shows(DRAW) else "the panel Draw is not in view",
         is_told=True,
     ),
 )
@@ -154,20 +163,20 @@ def _all_tools() -> Iterator[Tool]:
 
 
 class WorldEditing(KeyMode):
-    """The editing of the world with the tools of its kind."""
+    """The editing of the world."""
 
     keys: ClassVar[Mapping[str, str]] = {
         **{each.key: each.help for each in _all_tools() if not each.is_in_menu},
         **dict.fromkeys(_ALONG, "Paint on the way"),
         **dict.fromkeys(DIGITS, "Go to a slider of the world"),
     }
-    way_back = "click or tab here to draw on", "tab here to draw on"
-    toolbox: Toolbox | None = None
+    way_back = "click or tab here to draw again", "tab here to draw again"
+    toolbox: Toolbox[Any] | None = None
     _looked_at: tuple[Scenario, str] | None = None
 
     @cached_property
     def saving(self) -> ScenarioSaving:
-        """The action that saves the world to its file."""
+        """The action that saves the world."""
         return ScenarioSaving(self.screen, self.board, self.link)
 
     @cached_property
@@ -178,7 +187,7 @@ class WorldEditing(KeyMode):
 
     @property
     def refused(self) -> str:
-        """A quickly checked reason why this world cannot be edited, or empty."""
+        """A quickly checked reason against editing, or empty."""
         snapshot = self.snapshot
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING or snapshot.program is not None:
             return ""
@@ -186,18 +195,16 @@ class WorldEditing(KeyMode):
             return IN_LESSON
         scenario = snapshot.recipe.scenario
         if self._looked_at is None or self._looked_at[0] is not scenario:
-            from rl_tui.worlds.editing.drafts import seen_refusal
-
             self._looked_at = scenario, seen_refusal(scenario, snapshot.world)
         return self._looked_at[1]
 
     def why_not(self, deed: str) -> str:
-        """Return why this world cannot be edited, from a quick check."""
+        """Explain why this world cannot be edited."""
         return self.refused if deed == "toggle" and not self.is_on else ""
 
     @property
     def offered(self) -> tuple[Hints, ...]:
-        """The first hint on the key line, longest form first."""
+        """Forms of the first hint."""
         can_begin = self.modes.current is None and isinstance(self.screen.focused, WorldView)
         snapshot = self.snapshot
         if not can_begin or self.refused or snapshot is None or snapshot.program is not None:
@@ -210,12 +217,12 @@ class WorldEditing(KeyMode):
         desk = self._hand()
         return tuple(self._action_of(each, desk) for each in self._tools)
 
-    def can_undo(self, desk: Desk) -> bool:
-        """Return True if there may be a stroke to undo."""
+    def can_undo(self, desk: Desk[Any]) -> bool:
+        """Return whether there may be an undo."""
         return desk.snapshot.editor.can_undo or bool(self._pending)
 
-    def can_redo(self, desk: Desk) -> bool:
-        """Return True if there may be a stroke to redo."""
+    def can_redo(self, desk: Desk[Any]) -> bool:
+        """Return whether there may be a redo."""
         return desk.snapshot.editor.can_redo or bool(self._pending)
 
     @property
@@ -223,13 +230,13 @@ class WorldEditing(KeyMode):
         return () if self.toolbox is None else (*self.toolbox.tools, *ALWAYS)
 
     def takes(self, key: str) -> bool:
-        """Return True if ``key`` draws, undoes, saves, leaves or goes to a slider."""
+        """Return whether editing handles ``key``."""
         if key in DIGITS:
             return self._slider(key) is not None
         return self.toolbox is not None and (key in _ALONG or self._tool(key) is not None)
 
     def has_on_a_page(self, key: str) -> bool:
-        """Return True if ``key`` works on a slider of the panel."""
+        """Return whether ``key`` works on a slider."""
         focused = self.screen.focused
         is_slider = isinstance(focused, Slider) and not focused.is_typing
         return key in (*DIGITS, "z", "Z") and is_slider and self.board.panel_of(focused) == DRAW
@@ -244,7 +251,7 @@ class WorldEditing(KeyMode):
     def _owner(self, tool: Tool) -> object:
         return self if tool in ALWAYS else self.toolbox
 
-    def _action_of(self, tool: Tool, desk: Desk | None) -> Action:
+    def _action_of(self, tool: Tool, desk: Desk[Any] | None) -> Action:
         owner = self._owner(tool)
         return Action(
             f"editing.{tool.key}",
@@ -273,13 +280,13 @@ class WorldEditing(KeyMode):
             self.use(key)
 
     def go_to_slider(self, key: str) -> None:
-        """Focus the slider of the world with this digit."""
+        """Focus the world's slider with this digit."""
         slider = self._slider(key)
         if slider is not None:
             slider.focus()
 
     def use(self, name: str, *, is_clicked: bool = False) -> None:
-        """Use the tool ``name``, or show why it can do nothing now."""
+        """Use a tool, or show why it cannot."""
         desk, tool = self._hand(), self._tool(name)
         if desk is None or tool is None or self.toolbox is None:
             return
@@ -310,7 +317,7 @@ class WorldEditing(KeyMode):
         self._show_picked()
 
     def set_number(self, name: str, value: float | str) -> bool:
-        """Set the world number ``name``. Return True if there is one."""
+        """Set a number, and return whether there is one."""
         desk = self._hand()
         if desk is None or self.toolbox is None or isinstance(value, str):
             return False
@@ -348,8 +355,6 @@ class WorldEditing(KeyMode):
             self._begin(snapshot)
 
     def _begin(self, snapshot: Snapshot) -> None:
-        from rl_tui.worlds.editing.drafts import refusal
-
         refused = self.refused or refusal(snapshot.recipe.scenario, snapshot.recipe.seed)
         if refused:
             self.screen.refuse(refused)
@@ -393,7 +398,7 @@ class WorldEditing(KeyMode):
     # Display
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show the edited world, what is missing in it, and the tools."""
+        """Show the edited world, what it lacks, and the tools."""
         view, box = self.board.world, self.toolbox
         if view is None or box is None:
             return
@@ -406,13 +411,13 @@ class WorldEditing(KeyMode):
         if desk is not None:
             self.board.tools.show_sheet(self._sheet(box, desk, about))
 
-    def _hints(self, box: Toolbox) -> Hints:
+    def _hints(self, box: Toolbox[Any]) -> Hints:
         held = box.in_hand
         first = () if held is None else (("", f"{held.shown} {held.word}"),)
         ranked = sorted((each for each in self._tools if each.rank), key=lambda each: each.rank or 0)
         return (*first, *(each.hint or (each.shown, each.label) for each in ranked), ("?", "keys"))
 
-    def _sheet(self, box: Toolbox, desk: Desk, about: tuple[str, ...]) -> ToolSheet:
+    def _sheet(self, box: Toolbox[Any], desk: Desk[Any], about: tuple[str, ...]) -> ToolSheet:
         held = box.in_hand
         tool = None if held is None else self._tool(held.id)
         advice, does = box.advice(desk), () if tool is None else (tool.help,)
@@ -427,14 +432,14 @@ class WorldEditing(KeyMode):
             rest=tuple(self._cell(each, desk) for each in ALWAYS if each.in_panel),
         )
 
-    def _cell(self, tool: Tool, desk: Desk) -> ToolCell:
+    def _cell(self, tool: Tool, desk: Desk[Any]) -> ToolCell:
         assert self.toolbox is not None
         held, refused = self.toolbox.in_hand, tool.why_not(self._owner(tool), desk)
         word = self.toolbox.rest if tool.key == DRAW_PATH[0] else tool.label
         is_on = held is not None and held.id == tool.key
         return ToolCell(tool.key, tool.shown, word, is_on, refused, tool.sign)
 
-    def _hand(self) -> Desk | None:
+    def _hand(self) -> Desk[Any] | None:
         view, snapshot = self.board.world, self.snapshot
         draft = None if snapshot is None else self._pending.draft(snapshot)
         if view is None or snapshot is None or draft is None:
@@ -442,7 +447,6 @@ class WorldEditing(KeyMode):
         return Desk(view, snapshot, draft, self.glyphs, self._draw, self.screen.refuse, self.ask)
 
     def _draw(self, edits: Sequence[Edit]) -> None:
-        """Send ``edits`` as one stroke, or show why they are not possible."""
         draft = None if self.snapshot is None else self._pending.draft(self.snapshot)
         if not edits or draft is None:
             return
@@ -457,7 +461,6 @@ class WorldEditing(KeyMode):
         self._pending.note(self.link.wanted.sent, edits)
 
     def _land(self, place: int | None) -> None:
-        """Put the cursor on an added place, else back to its place."""
         view = self.board.world
         if self.is_on and view is not None:
             # without a place it would follow the agent

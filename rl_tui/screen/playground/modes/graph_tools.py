@@ -1,130 +1,169 @@
-"""Tools to edit a graph: states, outcomes of actions, and the start."""
+"""Tools to edit a graph."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
+from rl_tui.common.errors import UserError, complaint
+from rl_tui.common.findings import place
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.panels.draw_panel import SheetLine, WorldNumber
-from rl_tui.screen.playground.modes.numbers import CHANCE, LIMIT, PAYS
-from rl_tui.screen.playground.modes.outcomes import (
-    FORM,
-    ActionOutcome,
-    actions_in,
-    outcomes_in,
-    paying,
-    read_name,
-    read_outcomes,
-    written,
+from rl_tui.screen.playground.modes.rules import (
+    CHANCE,
+    LIMIT,
+    PAYS,
+    Desk,
+    Tool,
+    Toolbox,
+    ask_rules,
+    checked,
+    number_in,
+    number_of,
+    number_text,
 )
-from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox, ask_rules, fault_of, number_of
-from rl_tui.screen.playground.modes.texts import number_in, number_text
 from rl_tui.worlds.drawing import Graph
-from rl_tui.worlds.editing.edit import Edit, as_json
-from rl_tui.worlds.editing.graph_draft import GraphDraft, transition_edit, with_chance
+from rl_tui.worlds.editing.edit import Edit, as_json, json_in
+from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of, transition_edit, with_chance
+from rl_tui.worlds.sections.mdp_section import TransitionEntry
+from rl_tui.worlds.sections.schema import parsed
 from rl_tui.worlds.world import World
 
-# The tools, one row each
+# Outcomes of an action: as a typed line, and one by one
+
+
+FORM: Final = "Pass 0.8, Class 0.2 pays -2"
+_PAYS: Final = " pays "
+
+
+class ActionOutcome(NamedTuple):
+    """A possible outcome. ``entry`` holds all outcomes of the action."""
+
+    action: str
+    to: str
+    chance: float
+    pays: float
+    entry: Mapping[str, Any]
+
+    @property
+    def is_alone(self) -> bool:
+        """True if the action has no other outcome."""
+        return len(chances_of(self.entry)) == 1
+
+
+def outcomes_in(draft: GraphDraft, state: str) -> list[ActionOutcome]:
+    """Return the state's outcomes, in the file's order."""
+    return [
+        ActionOutcome(str(entry["action"]), to, chance, _pays(entry, to), entry)
+        for entry in draft.transitions
+        if entry.get("state") == state
+        for to, chance in chances_of(entry).items()
+    ]
+
+
+def _pays(entry: Mapping[str, Any], to: str) -> float:
+    own = _own(entry, to)
+    pays = own.get("reward", entry.get("reward", 0.0))
+    return float(pays) if isinstance(pays, int | float) else 0.0
+
+
+def _own(entry: Mapping[str, Any], to: str) -> Mapping[str, Any]:
+    outcomes = entry.get("to")
+    own = outcomes.get(to) if isinstance(outcomes, Mapping) else None
+    return own if isinstance(own, Mapping) else {}
+
+
+def paying(outcome: ActionOutcome, reward: float) -> dict[str, Any]:
+    """Return the entry with another reward."""
+    entry = outcome.entry
+    if "reward" not in _own(entry, outcome.to):
+        return {**entry, "reward": reward}
+    return {**entry, "to": {**entry["to"], outcome.to: {**_own(entry, outcome.to), "reward": reward}}}
+
+
+def actions_in(draft: GraphDraft, state: str) -> list[str]:
+    """Name the actions in ``state``."""
+    return [str(each["action"]) for each in draft.transitions if each.get("state") == state]
+
+
+def written(draft: GraphDraft, state: str, action: str) -> str:
+    """Write an action's outcomes as typed, empty if new."""
+    entry = draft.entry(state, action)
+    if entry is None:
+        return ""
+    to = entry.get("to")
+    is_plain = (
+        not (isinstance(to, dict) and any(isinstance(each, dict) for each in to.values()))
+        and "std" not in entry
+    )
+    if not is_plain or any("," in name or _PAYS in name for name in chances_of(entry)):
+        return as_json({key: value for key, value in entry.items() if key not in ("state", "action")})
+    chances = chances_of(entry)
+    named = [f"{name} {chance!r}" for name, chance in chances.items()]
+    return f"{', '.join(named)}{_PAYS}{entry.get('reward', 0.0)!r}"
+
+
+def read_outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
+    """Return the value of an edit that sets the typed outcomes.
+
+    Raises:
+        ValueError: The text does not describe an action.
+    """
+    typed = text.strip()
+    value = json_in(typed) if typed.startswith("{") else as_json(_entry(typed) if typed else None)
+    try:
+        entry = draft.edited(Edit("transition", (state, action), value)).entry(state, action)
+    except UserError as fault:
+        raise ValueError(str(fault)) from fault
+    found = [] if entry is None else parsed(TransitionEntry, dict(entry))[1]
+    if found:
+        raise ValueError(f"{place(found[0].location)}: {complaint(found[0].found, found[0].expected)}")
+    return value
+
+
+def _entry(text: str) -> dict[str, object]:
+    outcomes, _, reward = text.partition(_PAYS.rstrip())
+    to: dict[str, float] = {}
+    named = [each.strip() for each in outcomes.split(",") if each.strip()]
+    for number, each in enumerate(named):
+        name, _, chance = each.rpartition(" ")
+        try:
+            to[name] = float(chance)
+        except ValueError:
+            if number < len(named) - 1:
+                raise ValueError(f"type states and chances, such as {FORM}") from None
+            to[each] = round(1.0 - sum(to.values()), 12)
+    if not to or "" in to:
+        raise ValueError(f"type states and chances, such as {FORM}")
+    try:
+        pays = float(reward.replace("−", "-")) if reward.strip() else 0.0
+    except ValueError:
+        raise ValueError(f"type a number after pays, such as {FORM}") from None
+    return {"reward": pays, "to": next(iter(to)) if list(to.values()) == [1.0] else to}
+
+
+def read_name(text: str) -> str:
+    """Return the typed name.
+
+    Raises:
+        ValueError: It is empty.
+    """
+    if not text.strip():
+        raise ValueError("type a name")
+    return text.strip()
+
+
+# The tools
 
 
 _NEW: Final = "+ an action"
 _NOTHING: Final = "no actions here. enter: add one"
 
 
-def _no_outcome(box: GraphTools, desk: Desk) -> str:
-    return _NOTHING if box.outcome(desk) is None else ""
+class GraphTools(Toolbox[GraphDraft]):
+    """Tools for an MDP's graph."""
 
-
-GRAPH_TOOLS: Final = (
-    Tool(
-        "enter",
-        "edit…",
-        "Choose or add an action, and type its outcomes.",
-        lambda box, desk: box.choose_action(desk),
-        rank=1,
-    ),
-    Tool(
-        "equals_sign",
-        "reward…",
-        "Type what the chosen action pays.",
-        lambda box, desk: box.ask_reward(desk),
-        "=",
-        is_of_number=True,
-        why_not=_no_outcome,
-    ),
-    *(
-        Tool(
-            key,
-            label,
-            f"Let the chosen outcome be {how} by .05.",
-            partial(lambda chance, box, desk: box.shift(desk, chance), chance),
-            symbol,
-            is_of_number=True,
-            why_not=_no_outcome,
-            rank=2 if symbol == "[" else None,
-            hint=("[ ]", "chance"),
-        )
-        for key, symbol, label, how, chance in (
-            ("left_square_bracket", "[", "less", "less likely", -0.05),
-            ("right_square_bracket", "]", "more", "likelier", 0.05),
-        )
-    ),
-    Tool(
-        "delete",
-        "remove",
-        "Remove the chosen action.",
-        lambda box, desk: box.take_action_away(desk),
-        "del",
-        why_not=_no_outcome,
-    ),
-    Tool("S", "start", "Let every episode start here.", lambda box, desk: box.begin_here(desk), rank=6),
-    Tool(
-        "comma",
-        "next",
-        "Go to the next state, in the file's order.",
-        lambda box, desk: box.go_on(desk),
-        ",",
-    ),
-    *(
-        Tool(
-            key,
-            f"move {way}",
-            f"Move the state one place {way}.",
-            partial(lambda step, box, desk: box.move(desk, *step), step),
-            symbol,
-        )
-        for key, symbol, way, step in (
-            ("less_than_sign", "<", "left", (-1, 0)),
-            ("greater_than_sign", ">", "right", (1, 0)),
-            ("circumflex_accent", "^", "up", (0, -1)),
-            ("V", "V", "down", (0, 1)),
-        )
-    ),
-    Tool(
-        "w i",
-        "state here…",
-        "Add a state, and an action that leads there.",
-        lambda box, desk: box.add_state(desk),
-    ),
-    Tool(
-        "w d",
-        "state away",
-        "Remove this state, and all outcomes that lead there.",
-        lambda box, desk: box.remove_state(desk),
-    ),
-    Tool("w r", "rules…", "Set the start and the time limit.", ask_rules),
-)
-
-
-# What they do
-
-
-class GraphTools(Toolbox):
-    """Tools for the graph of an MDP, with a typed line per action."""
-
-    tools = GRAPH_TOOLS
     rest = "states, rules, save"
 
     def __init__(self) -> None:
@@ -133,21 +172,21 @@ class GraphTools(Toolbox):
 
     # What is shown
 
-    def about(self, desk: Desk) -> tuple[str, ...]:
-        """Return the state under the cursor and its actions."""
+    def about(self, desk: Desk[GraphDraft]) -> tuple[str, ...]:
+        """Describe the state and its actions."""
         state = _state(desk)
-        actions = ", ".join(actions_in(_graph_of(desk), state)) or "terminal"
+        actions = ", ".join(actions_in(desk.draft, state)) or "terminal"
         return f"{state}: {actions}", state
 
-    def advice(self, desk: Desk) -> tuple[str, ...]:
-        """Return how to choose among several outcomes."""
-        if len(outcomes_in(_graph_of(desk), _state(desk))) < 2:
+    def advice(self, desk: Desk[GraphDraft]) -> tuple[str, ...]:
+        """Describe how to choose among several outcomes."""
+        if len(outcomes_in(desk.draft, _state(desk))) < 2:
             return ()
         return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
 
-    def lines(self, desk: Desk) -> tuple[SheetLine, ...]:
-        """Return a line for each outcome in the state under the cursor."""
-        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+    def lines(self, desk: Desk[GraphDraft]) -> tuple[SheetLine, ...]:
+        """Return the state's outcomes."""
+        outcomes = outcomes_in(desk.draft, _state(desk))
         chosen = self._number(desk, outcomes)
         return tuple(
             SheetLine(
@@ -158,18 +197,18 @@ class GraphTools(Toolbox):
             for number, each in enumerate(outcomes)
         )
 
-    def choose_line(self, desk: Desk, line: int) -> None:
-        """Choose the outcome of that line."""
+    def choose_line(self, desk: Desk[GraphDraft], line: int) -> None:
+        """Choose the line's outcome."""
         self._chosen = _state(desk), line
 
-    def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
+    def go_along(self, desk: Desk[GraphDraft], step: tuple[int, int]) -> None:
         """Choose the next or previous outcome."""
-        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+        outcomes = outcomes_in(desk.draft, _state(desk))
         if outcomes:
             self.choose_line(desk, (self._number(desk, outcomes) + sum(step)) % len(outcomes))
 
-    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
-        """Return chance and reward of the chosen outcome, and the time limit."""
+    def numbers(self, desk: Desk[GraphDraft]) -> tuple[WorldNumber, ...]:
+        """Return chance and reward of the outcome, and the time limit."""
         outcome = self.outcome(desk)
         return (
             WorldNumber(CHANCE, 0.0 if outcome is None else outcome.chance),
@@ -177,14 +216,10 @@ class GraphTools(Toolbox):
             WorldNumber(LIMIT, number_of(desk.draft, LIMIT.name)),
         )
 
-    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
-        """Return the edits that set the number ``name``."""
+    def number_edits(self, desk: Desk[GraphDraft], name: str, value: float) -> Sequence[Edit]:
+        """Return the edits that set a number."""
         if name == LIMIT.name:
-            edits = (Edit(name, (), str(int(value))),)
-            fault = fault_of(desk.draft, edits, name)
-            if fault:
-                raise ValueError(fault)
-            return edits
+            return checked(desk.draft, Edit(name, (), str(int(value))))
         outcome = self.outcome(desk)
         if outcome is None:
             raise ValueError(_NOTHING)
@@ -192,7 +227,7 @@ class GraphTools(Toolbox):
         return (transition_edit(_state(desk), outcome.action, entry),)
 
     def place_added(self, world: World) -> int | None:
-        """Return the added state once it is in ``world``."""
+        """Return the added state, once in ``world``."""
         names = world.space.state_names
         if self._added not in names:
             return None
@@ -201,29 +236,29 @@ class GraphTools(Toolbox):
 
     # Outcomes of actions
 
-    def choose_action(self, desk: Desk) -> None:
-        """Ask for an action of the state, then for its outcomes."""
-        draft, state = _graph_of(desk), _state(desk)
+    def choose_action(self, desk: Desk[GraphDraft]) -> None:
+        """Ask for an action, then for its outcomes."""
+        draft, state = desk.draft, _state(desk)
         candidates = [
             *(Candidate(each, each, (written(draft, state, each),)) for each in actions_in(draft, state)),
-            Candidate(_NEW, _NEW, ("type its name, then what it does",)),
+            Candidate(_NEW, _NEW, ("Type a name, then the outcomes.",)),
         ]
         outcome = self.outcome(desk)
         current = "" if outcome is None else outcome.action
         desk.ask(
-            Choice(f"What can be done in {state}", candidates, current, desk.glyphs),
+            Choice(f"Actions in {state}", candidates, current, desk.glyphs),
             partial(self._chosen_action, desk, state),
         )
 
-    def _chosen_action(self, desk: Desk, state: str, action: str) -> None:
+    def _chosen_action(self, desk: Desk[GraphDraft], state: str, action: str) -> None:
         if action != _NEW:
             self._ask_outcomes(desk, state, action)
             return
-        prompt = Prompt("A new action", f"Its name, in {state}.", "", read_name)
+        prompt = Prompt("A new action", f"Name of the new action in {state}.", "", read_name)
         desk.ask(prompt, lambda name: self._ask_outcomes(desk, state, str(name)))
 
-    def _ask_outcomes(self, desk: Desk, state: str, action: str) -> None:
-        draft = _graph_of(desk)
+    def _ask_outcomes(self, desk: Desk[GraphDraft], state: str, action: str) -> None:
+        draft = desk.draft
         hint = f"States and chances: {FORM}. A new name makes a new state. An empty line removes the action."
         was = written(draft, state, action)
         prompt = Prompt(f"{action} in {state}", hint, was, partial(read_outcomes, draft, state, action))
@@ -234,7 +269,7 @@ class GraphTools(Toolbox):
 
         desk.ask(prompt, answered)
 
-    def take_action_away(self, desk: Desk) -> None:
+    def take_action_away(self, desk: Desk[GraphDraft]) -> None:
         """Remove the chosen action."""
         outcome = self.outcome(desk)
         if outcome is None:
@@ -242,8 +277,8 @@ class GraphTools(Toolbox):
         else:
             desk.draw((transition_edit(_state(desk), outcome.action, None),))
 
-    def shift(self, desk: Desk, chance: float) -> None:
-        """Raise the probability of the chosen outcome by ``chance``."""
+    def shift(self, desk: Desk[GraphDraft], chance: float) -> None:
+        """Raise the probability of the chosen outcome."""
         outcome = self.outcome(desk)
         try:
             if outcome is None:
@@ -254,8 +289,8 @@ class GraphTools(Toolbox):
         else:
             desk.draw((transition_edit(_state(desk), outcome.action, entry),))
 
-    def ask_reward(self, desk: Desk) -> None:
-        """Ask for the reward of the chosen outcome."""
+    def ask_reward(self, desk: Desk[GraphDraft]) -> None:
+        """Ask for the chosen outcome's reward."""
         outcome, state = self.outcome(desk), _state(desk)
         if outcome is None:
             desk.tell(_NOTHING)
@@ -268,13 +303,13 @@ class GraphTools(Toolbox):
 
     # States
 
-    def begin_here(self, desk: Desk) -> None:
-        """Make the state under the cursor the start of every episode."""
+    def begin_here(self, desk: Desk[GraphDraft]) -> None:
+        """Start every episode here."""
         desk.draw((Edit("start", (), as_json(_state(desk))),))
 
-    def add_state(self, desk: Desk) -> None:
-        """Ask for the name of a new state, and connect it."""
-        draft, state = _graph_of(desk), _state(desk)
+    def add_state(self, desk: Desk[GraphDraft]) -> None:
+        """Ask for a new state's name, and connect it."""
+        draft, state = desk.draft, _state(desk)
 
         def read(text: str) -> str:
             name = read_name(text)
@@ -286,20 +321,20 @@ class GraphTools(Toolbox):
             self._added = str(name)
             desk.draw((transition_edit(state, f"to {name}", {"reward": 0.0, "to": str(name)}),))
 
-        hint = f"Its name. An action leads there from {state}."
+        hint = f"Name of the new state. An action leads there from {state}."
         desk.ask(Prompt("A new state", hint, "", read, "add"), answered)
 
-    def remove_state(self, desk: Desk) -> None:
-        """Remove the state under the cursor, with all outcomes that lead there."""
+    def remove_state(self, desk: Desk[GraphDraft]) -> None:
+        """Remove the state, with all outcomes that lead there."""
         desk.draw((Edit("state", (_state(desk),), "null"),))
 
-    def go_on(self, desk: Desk) -> None:
-        """Move the cursor to the next state, after the last to the first."""
+    def go_on(self, desk: Desk[GraphDraft]) -> None:
+        """Go to the next state, cyclically."""
         desk.view.put_cursor(((desk.view.cursor_place or 0) + 1) % desk.snapshot.world.space.states)
 
-    def move(self, desk: Desk, columns: int, rows: int) -> None:
-        """Move the state under the cursor, or swap two."""
-        draft, state = _graph_of(desk), _state(desk)
+    def move(self, desk: Desk[GraphDraft], columns: int, rows: int) -> None:
+        """Move the state, or swap two."""
+        draft, state = desk.draft, _state(desk)
         place = _places(desk, draft)
         missing = [
             Edit("place", (name,), as_json(list(at)))
@@ -315,32 +350,30 @@ class GraphTools(Toolbox):
 
     # The pointer
 
-    def paint(self, desk: Desk, places: Sequence[int]) -> None:
-        """Move the cursor to the click, or ask for an action there."""
+    def paint(self, desk: Desk[GraphDraft], places: Sequence[int]) -> None:
+        """Move the cursor, or ask for an action there."""
         was_there = desk.view.cursor == places[-1]
         desk.view.put_cursor(places[-1])
         if was_there:
             self.choose_action(desk)
 
-    def turn(self, desk: Desk, place: int, amount: float) -> None:
-        """Change the probability of the chosen outcome by the wheel."""
+    def turn(self, desk: Desk[GraphDraft], place: int, amount: float) -> None:
+        """Change the probability of the chosen outcome."""
         desk.view.put_cursor(place)
         self.shift(desk, amount / 20)
 
-    def outcome(self, desk: Desk) -> ActionOutcome | None:
-        """Return the chosen outcome in the state under the cursor, or None."""
-        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+    def outcome(self, desk: Desk[GraphDraft]) -> ActionOutcome | None:
+        """Return the chosen outcome."""
+        outcomes = outcomes_in(desk.draft, _state(desk))
         return outcomes[self._number(desk, outcomes)] if outcomes else None
 
-    def _number(self, desk: Desk, outcomes: Sequence[ActionOutcome]) -> int:
-        """Return the index of the chosen outcome."""
+    def _number(self, desk: Desk[GraphDraft], outcomes: Sequence[ActionOutcome]) -> int:
         if self._chosen is not None and self._chosen[0] == _state(desk):
             return min(self._chosen[1], max(0, len(outcomes) - 1))
         return next((number for number, each in enumerate(outcomes) if not each.is_alone), 0)
 
 
 def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
-    """Return the entry of ``outcome`` with probability ``chance``, except 0 and 1."""
     if outcome.is_alone:
         raise ValueError(f"{outcome.action} always leads to {outcome.to}. enter: add outcomes")
     if not 0.0 < chance < 1.0:
@@ -348,19 +381,70 @@ def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
     return with_chance(outcome.entry, outcome.to, chance)
 
 
-def _graph_of(desk: Desk) -> GraphDraft:
-    draft = desk.draft
-    assert isinstance(draft, GraphDraft)
-    return draft
-
-
-def _state(desk: Desk) -> str:
+def _state(desk: Desk[GraphDraft]) -> str:
     names = desk.snapshot.world.space.state_names
     return names[min(desk.view.cursor_place or 0, len(names) - 1)]
 
 
-def _places(desk: Desk, draft: GraphDraft) -> dict[str, Sequence[int]]:
+def _places(desk: Desk[GraphDraft], draft: GraphDraft) -> dict[str, Sequence[int]]:
     world = desk.snapshot.world
     assert isinstance(world.drawing, Graph)
     seen = dict(zip(world.space.state_names, world.drawing.places, strict=True))
     return {**seen, **(draft.rules.get("place") or {})}
+
+
+# The tools, one row each
+
+
+def _no_outcome(box: GraphTools, desk: Desk[GraphDraft]) -> str:
+    return _NOTHING if box.outcome(desk) is None else ""
+
+
+GraphTools.tools = (
+    Tool(
+        "enter", "edit…", "Choose or add an action, and type its outcomes.", GraphTools.choose_action, rank=1
+    ),
+    Tool("equals_sign", "reward…", "Type what the chosen action pays.", GraphTools.ask_reward).also(
+        symbol="=", is_of_number=True, why_not=_no_outcome
+    ),
+    *(
+        Tool(
+            key, label, f"Make the chosen outcome {how} by .05.", partial(GraphTools.shift, chance=chance)
+        ).also(
+            symbol=symbol,
+            is_of_number=True,
+            why_not=_no_outcome,
+            rank=2 if symbol == "[" else None,
+            hint=("[ ]", "chance"),
+        )
+        for key, symbol, label, how, chance in (
+            ("left_square_bracket", "[", "less", "less likely", -0.05),
+            ("right_square_bracket", "]", "more", "likelier", 0.05),
+        )
+    ),
+    Tool("delete", "remove", "Remove the chosen action.", GraphTools.take_action_away).also(
+        symbol="del", why_not=_no_outcome
+    ),
+    Tool("S", "start", "Let every episode start here.", GraphTools.begin_here, rank=6),
+    Tool("comma", "next", "Go to the next state, in the file's order.", GraphTools.go_on, ","),
+    *(
+        Tool(
+            key,
+            f"move {way}",
+            f"Move the state one place {way}.",
+            partial(GraphTools.move, columns=columns, rows=rows),
+            symbol,
+        )
+        for key, symbol, way, columns, rows in (
+            ("less_than_sign", "<", "left", -1, 0),
+            ("greater_than_sign", ">", "right", 1, 0),
+            ("circumflex_accent", "^", "up", 0, -1),
+            ("V", "V", "down", 0, 1),
+        )
+    ),
+    Tool("w i", "state here…", "Add a state, and an action that leads there.", GraphTools.add_state),
+    Tool(
+        "w d", "remove state", "Remove this state, and all outcomes that lead there.", GraphTools.remove_state
+    ),
+    Tool("w r", "rules…", "Set the start and the time limit.", ask_rules),
+)

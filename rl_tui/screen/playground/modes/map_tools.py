@@ -1,4 +1,4 @@
-"""Tools to edit a map: brushes, rewards, rectangles, and whole rows or columns."""
+"""Tools to edit a map."""
 
 from __future__ import annotations
 
@@ -8,245 +8,86 @@ from typing import Final
 
 from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.panels.draw_panel import Sign, ToolCell, WorldNumber
-from rl_tui.screen.playground.modes.brushes import (
-    BRUSHES,
-    Brush,
-    Cell,
-    before_painting,
-    called,
-    character_of,
-    jump,
-    painted,
-    paying_more,
-    pays,
-    region,
-    runs,
-    span,
-)
-from rl_tui.screen.playground.modes.numbers import LIMIT, LIVING, NOISE, PAYS, WIND, WIND_ROWS
+from rl_tui.screen.playground.modes import brushes
 from rl_tui.screen.playground.modes.rules import (
+    LIMIT,
+    LIVING,
+    NOISE,
+    PAYS,
+    WIND,
+    WIND_ROWS,
     Desk,
     Tool,
     Toolbox,
     ask_rules,
-    fault_of,
+    checked,
     next_word,
+    number_in,
     number_of,
+    number_text,
     rule_of,
 )
-from rl_tui.screen.playground.modes.texts import number_in, number_text
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.world import World
 
-# The tools, one row each
-
-
-def _resize(name: str, count: int, at_end: bool, box: MapTools, desk: Desk) -> None:
-    box.resize(name, count, desk, at_end=at_end)
-
-
-def _unfinished(_: object, desk: Desk) -> str:
-    return _NOT_WHOLE if desk.snapshot.editor.unfinished else ""
-
-
-def _no_reward(box: MapTools, desk: Desk) -> str:
-    return "" if box.can_pay(desk) else _WALL_PAYS
-
-
-def _turn(name: str, _: object, desk: Desk) -> None:
-    next_word(desk, name)
-
-
-def _value(name: str, _: object, desk: Desk) -> str:
-    """Return the value of a rule, or on or off for a switch."""
-    value = rule_of(desk.draft, name)
-    return {True: "on", False: "off", "leaving": "on", "entering": "off"}.get(value, str(value))
-
-
 _WALL_PAYS: Final = "walls have no reward: they cannot be entered"
 _NOT_WHOLE: Final = "finish the map first: rows and columns change only in a valid map"
-_NOTHING_COPIED: Final = "nothing is copied yet: w m marks a corner, w c copies up to the cursor"
+_NOTHING_COPIED: Final = "nothing copied yet: w m marks a corner, w c copies up to the cursor"
 _PICK, _ARROW_KEY, _JUMP = "comma", "A", "J"
 
-MAP_TOOLS: Final = (
-    *(
-        Tool(
-            each.key,
-            each.label,
-            each.sentence,
-            partial(lambda brush, box, desk: box.take(brush, desk), each),
-            "V" if each.key == "V" else each.character,
-            click=partial(lambda brush, box, desk: box.choose(brush, desk), each),
-            sign=each.sign,
-            rank=2 if each is BRUSHES[0] else None,
-            hint=(". # S G H C X", "brush"),
-        )
-        for each in BRUSHES
-    ),
-    Tool(
-        _JUMP,
-        "jump",
-        "Begin a jump here.",
-        lambda box, desk: box.begin_jump(desk),
-        sign=Sign(CellKind.FLOOR, lambda glyphs: glyphs.right),
-    ),
-    Tool(
-        _PICK,
-        "pick up",
-        "Take the brush from under the cursor.",
-        lambda box, desk: box.pick_up(desk),
-        ",",
-    ),
-    Tool(
-        _ARROW_KEY,
-        "arrow",
-        "Paint nothing: click moves, drag marks.",
-        lambda box, desk: box.point(desk),
-    ),
-    Tool(
-        "enter",
-        "paint",
-        "Paint here, or along the way with shift.",
-        lambda box, desk: box.enter(desk),
-        rank=5,
-        is_told=True,
-    ),
-    Tool(
-        "equals_sign",
-        "value…",
-        "Type what the cell pays.",
-        lambda box, desk: box.ask_reward(desk),
-        "=",
-        why_not=_no_reward,
-        is_of_number=True,
-        rank=6,
-        hint=("= [ ]", "pays"),
-    ),
-    *(
-        Tool(
-            key,
-            label,
-            sentence,
-            partial(lambda amount, box, desk: box.pay(amount, desk), amount),
-            symbol,
-            why_not=_no_reward,
-            is_of_number=True,
-        )
-        for key, symbol, label, sentence, amount in (
-            ("left_square_bracket", "[", "less", "Let the cell pay 1 less.", -1.0),
-            ("right_square_bracket", "]", "more", "Let the cell pay 1 more.", 1.0),
-        )
-    ),
-    Tool(
-        "w m",
-        "mark",
-        "Begin a rectangle at the cursor, or drop it.",
-        lambda box, desk: box.mark(desk),
-        value=lambda box, _: "on" if box.is_marking else "",
-    ),
-    Tool("w c", "copy", "Copy the rectangle.", lambda box, desk: box.copy(desk)),
-    Tool(
-        "w v",
-        "paste",
-        "Paste what you copied.",
-        lambda box, desk: box.paste(desk),
-        why_not=lambda box, _: "" if box.has_copied else _NOTHING_COPIED,
-    ),
-    Tool(
-        "w f",
-        "fill",
-        "Fill the rectangle, else the region around the cursor.",
-        lambda box, desk: box.fill(desk),
-    ),
-    *(
-        Tool(key, label, sentence, partial(_resize, name, count, at_end), why_not=_unfinished)
-        for key, label, sentence, name, count, at_end in (
-            ("w i", "row here", "Add a row here.", "rows", 1, False),
-            ("w d", "row away", "Remove this row.", "rows", -1, False),
-            ("w b", "row below", "Add a row at the bottom.", "rows", 1, True),
-            ("w h", "column here", "Add a column here.", "columns", 1, False),
-            ("w x", "column away", "Remove this column.", "columns", -1, False),
-            ("w e", "column right", "Add a column at the right.", "columns", 1, True),
-        )
-    ),
-    Tool("w r", "rules…", "Set noise, wind, living reward, time limit and more.", ask_rules),
-    *(
-        Tool(key, label, sentence, partial(_turn, name), value=partial(_value, name))
-        for key, label, sentence, name in (
-            ("w p", "slippery", "Slippery: straight on and both sides equally likely.", "slippery"),
-            ("w l", "on leaving", "Let cells pay on leaving them, or on entering.", "rewards"),
-            ("w n", "moves", "Choose the next kind of moves.", "moves"),
-        )
-    ),
-)
-
-
-# What they do
-
-
-ARROW: Final = Brush(_ARROW_KEY, "A", "arrow")
+ARROW: Final = brushes.Brush(_ARROW_KEY, "A", "arrow")
 """In place of a brush when clicks only move the cursor."""
 
 
-class MapTools(Toolbox):
-    """Tools for a map: a brush, rectangles, copies and jumps."""
+class MapTools(Toolbox[GridDraft]):
+    """Brush, rectangles, copies and jumps."""
 
-    tools = MAP_TOOLS
     rest = "rows, copy, rules, save"
 
     def __init__(self) -> None:
-        self._brush = BRUSHES[1]
-        self._corner: int | None = None
-        self._copied: tuple[str, ...] = ()
+        self._brush = brushes.BRUSHES[1]
+        self.corner: int | None = None
+        """Where a rectangle was begun."""
+        self.copied: tuple[str, ...] = ()
         self._jump_from: int | None = None
         self._added: tuple[tuple[int, int], int] | None = None  # the size of the map with it, and its cell
 
     # Display
 
-    def about(self, desk: Desk) -> tuple[str, ...]:
-        """Return the cell under the cursor and its reward."""
+    def about(self, desk: Desk[GridDraft]) -> tuple[str, ...]:
+        """Describe the cell under the cursor."""
         row, column = _here(desk)
-        character = _map_of(desk).lines[row][column]
-        entry = _map_of(desk).legend.get(character)
+        character = desk.draft.lines[row][column]
+        entry = desk.draft.legend.get(character)
         reward = "" if entry is None or entry.is_wall else f" pays {number_text(entry.pays)}"
-        where, what = f"row {row}, column {column}", f"{character} {called(entry)}{reward}"
+        where, what = f"row {row}, column {column}", f"{character} {brushes.called(entry)}{reward}"
         rows, columns = self._rectangle(desk)
-        size = f"{len(rows)} × {len(columns)} cells · " if self._corner is not None else ""
+        size = f"{len(rows)} × {len(columns)} cells · " if self.corner is not None else ""
         return f"{size}here: {what} · {where}", f"{size}here: {what}", what
 
     @property
     def in_hand(self) -> ToolCell:
-        """The current brush, or an unfinished jump."""
+        """The brush, or an unfinished jump."""
         if self._jump_from is not None:
-            jump = next(each for each in self.tools if each.key == _JUMP)
-            return ToolCell(_JUMP, _JUMP, jump.label, sign=jump.sign)
+            tool = next(each for each in self.tools if each.key == _JUMP)
+            return ToolCell(_JUMP, _JUMP, tool.label, sign=tool.sign)
         brush = self._brush
         shown = "V" if brush.key == "V" else brush.character
         return ToolCell(brush.key, shown, brush.label, sign=brush.sign)
 
-    def advice(self, desk: Desk) -> tuple[str, ...]:
-        """Return what enter, a click or a drag does now."""
+    def advice(self, desk: Desk[GridDraft]) -> tuple[str, ...]:
+        """Describe what enter, click or drag does."""
         if self._jump_from is not None:
             return "enter or a click: where it leads · esc: drop it", "enter: it leads here", "enter: to here"
         if self._brush is ARROW:
             return "click: cursor · drag: rectangle · wheel: reward", "click: cursor · drag: rectangle"
         return "enter, shift+arrow, click or drag paints", "enter or a click paints", "enter paints"
 
-    @property
-    def is_marking(self) -> bool:
-        """True if a rectangle was begun."""
-        return self._corner is not None
-
-    @property
-    def has_copied(self) -> bool:
-        """True if there is something to paste."""
-        return bool(self._copied)
-
-    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
-        """Return the numbers of the map and of the cell."""
-        draft, (row, column) = _map_of(desk), _here(desk)
+    def numbers(self, desk: Desk[GridDraft]) -> tuple[WorldNumber, ...]:
+        """Return the numbers of map and cell."""
+        draft, (row, column) = desk.draft, _here(desk)
         entry = draft.legend.get(draft.lines[row][column])
         return (
             WorldNumber(PAYS, 0.0 if entry is None else entry.pays),
@@ -257,52 +98,48 @@ class MapTools(Toolbox):
             WorldNumber(WIND_ROWS, _wind(draft, WIND_ROWS.name, row), is_short=True),
         )
 
-    def can_pay(self, desk: Desk) -> bool:
-        """Return True if the selected cells can have a reward."""
-        return pays(_map_of(desk), *self._rectangle(desk))
+    def can_pay(self, desk: Desk[GridDraft]) -> bool:
+        """Return whether the selection can have a reward."""
+        return brushes.pays(desk.draft, *self._rectangle(desk))
 
-    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
-        """Return the edits that set the number ``name``."""
-        draft, (row, column) = _map_of(desk), _here(desk)
+    def number_edits(self, desk: Desk[GridDraft], name: str, value: float) -> Sequence[Edit]:
+        """Return the edits that set a number."""
+        draft, (row, column) = desk.draft, _here(desk)
         if name == PAYS.name:
             if not self.can_pay(desk):
                 raise ValueError(_WALL_PAYS)
             return (self._reward_edit(desk, value),)
         where = {WIND.name: (str(column),), WIND_ROWS.name: (str(row),)}.get(name, ())
         is_whole = name in (LIMIT.name, WIND.name, WIND_ROWS.name)
-        edits = (Edit(name, where, repr(int(value) if is_whole else value)),)
-        fault = fault_of(draft, edits, name)
-        if fault:
-            raise ValueError(fault)
-        return edits
+        return checked(draft, Edit(name, where, repr(int(value) if is_whole else value)))
 
-    def picked(self, desk: Desk) -> frozenset[int]:
-        """Return the cells of the rectangle."""
-        if self._corner is None:
+    def picked(self, desk: Desk[GridDraft]) -> frozenset[int]:
+        """Return the rectangle's cells."""
+        if self.corner is None:
             return frozenset()
         width = _drawing(desk).columns
         return frozenset(row * width + column for row, column in self._cells(desk))
 
     # Pointer and moving keys
 
-    def paint(self, desk: Desk, places: Sequence[int]) -> None:
-        """Paint or mark ``places``, or end an unfinished jump there."""
+    def paint(self, desk: Desk[GridDraft], places: Sequence[int]) -> None:
+        """Paint or mark ``places``, or end a jump."""
         before = desk.view.cursor_place
         desk.view.put_cursor(places[-1])
         if self._jump_from is not None:
             self.enter(desk)
         elif self._brush is not ARROW:
-            desk.draw(painted(_map_of(desk), self._brush, [_cell(desk, place) for place in places]))
+            desk.draw(brushes.painted(desk.draft, self._brush, [_cell(desk, place) for place in places]))
         elif len(places) > 1:
-            self._corner = places[0]
+            self.corner = places[0]
         elif before == places[0]:
-            self._corner = None
+            self.corner = None
 
-    def turn(self, desk: Desk, place: int, amount: float) -> None:
-        """Raise the reward of a cell."""
+    def turn(self, desk: Desk[GridDraft], place: int, amount: float) -> None:
+        """Raise a cell's reward."""
         self._pay_more(desk, [_cell(desk, place)], amount)
 
-    def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
+    def go_along(self, desk: Desk[GridDraft], step: tuple[int, int]) -> None:
         """Paint towards ``step``, or extend a rectangle."""
         before = desk.view.cursor_place
         if before is None:
@@ -311,11 +148,11 @@ class MapTools(Toolbox):
         if self._brush is not ARROW:
             self.paint(desk, (before, there))
             return
-        self._corner = before if self._corner is None else self._corner
+        self.corner = before if self.corner is None else self.corner
         desk.view.put_cursor(there)
 
     def place_added(self, world: World) -> int | None:
-        """Return the cell of an added row or column, once in ``world``."""
+        """Return an added line's cell, once in ``world``."""
         grid = world.drawing
         if self._added is None or not isinstance(grid, Grid):
             return None
@@ -327,160 +164,156 @@ class MapTools(Toolbox):
 
     # Brushes
 
-    def take(self, brush: Brush, desk: Desk) -> None:
-        """Take a brush, and paint the selected cells with it."""
+    def take(self, desk: Desk[GridDraft], brush: brushes.Brush) -> None:
+        """Take a brush, and paint the selection."""
         self._brush = brush
         self._fill_rectangle(desk)
 
-    def choose(self, brush: Brush, desk: Desk) -> None:
-        """Take a clicked brush, and paint a rectangle if there is one."""
+    def choose(self, desk: Desk[GridDraft], brush: brushes.Brush) -> None:
+        """Take a clicked brush, and paint a rectangle."""
         self._brush = brush
-        if self._corner is not None:
+        if self.corner is not None:
             self._fill_rectangle(desk)
 
-    def point(self, desk: Desk) -> None:
-        """Drop the brush, so that clicks only move the cursor."""
+    def point(self, desk: Desk[GridDraft]) -> None:
+        """Drop the brush: clicks only move the cursor."""
         self._brush = ARROW
 
-    def pick_up(self, desk: Desk) -> None:
-        """Make the cell under the cursor the brush."""
+    def pick_up(self, desk: Desk[GridDraft]) -> None:
+        """Make the cell here the brush."""
         row, column = _here(desk)
-        character = _map_of(desk).lines[row][column]
-        self._brush = Brush(_PICK, character, called(_map_of(desk).legend.get(character)))
+        character = desk.draft.lines[row][column]
+        self._brush = brushes.Brush(_PICK, character, brushes.called(desk.draft.legend.get(character)))
 
-    def enter(self, desk: Desk) -> None:
-        """Paint with the brush, or end a jump."""
+    def enter(self, desk: Desk[GridDraft]) -> None:
+        """Paint, or end a jump."""
         source, place = self._jump_from, desk.view.cursor_place
         if source is None or place is None:
             self._fill_rectangle(desk)
             return
         self._jump_from = None
         try:
-            desk.draw(jump(_map_of(desk), _cell(desk, source), _cell(desk, place)))
+            desk.draw(brushes.jump(desk.draft, _cell(desk, source), _cell(desk, place)))
         except ValueError as fault:
             desk.tell(str(fault))
 
-    def fill(self, desk: Desk) -> None:
-        """Paint the rectangle, or else the region of equal cells around the cursor."""
-        if self._corner is not None:
+    def fill(self, desk: Desk[GridDraft]) -> None:
+        """Paint the rectangle, or the region of equal cells."""
+        if self.corner is not None:
             self._fill_rectangle(desk)
         elif self._brush is not ARROW:
-            draft = _map_of(desk)
-            desk.draw(painted(draft, self._brush, region(draft, _here(desk))))
+            draft = desk.draft
+            desk.draw(brushes.painted(draft, self._brush, brushes.region(draft, _here(desk))))
 
-    def _fill_rectangle(self, desk: Desk) -> None:
+    def _fill_rectangle(self, desk: Desk[GridDraft]) -> None:
         if self._brush is ARROW:
             desk.tell("The arrow paints nothing: take a brush.")
             return
-        draft, cells = _map_of(desk), self._cells(desk)
+        draft, cells = desk.draft, self._cells(desk)
         rows, columns = self._rectangle(desk)
-        self._corner = None
-        filled = Edit("cell", (span(rows), span(columns)), character_of(draft, self._brush))
-        desk.draw((*before_painting(draft, self._brush, cells), filled))
+        self.corner = None
+        filled = Edit(
+            "cell", (brushes.span(rows), brushes.span(columns)), brushes.character_of(draft, self._brush)
+        )
+        desk.draw((*brushes.before_painting(draft, self._brush, cells), filled))
 
     # Jumps, rewards, rectangles, lines
 
-    def begin_jump(self, desk: Desk) -> None:
+    def begin_jump(self, desk: Desk[GridDraft]) -> None:
         """Start a jump under the cursor."""
         self._jump_from = desk.view.cursor_place
         desk.tell("Go to the end of the jump, then press enter.")
 
     def cancel(self) -> bool:
-        """Cancel an unfinished jump or rectangle. Return True if there was one."""
-        had = self._jump_from is not None or self._corner is not None
-        self._jump_from = self._corner = None
+        """Cancel a jump or rectangle, and return whether there was one."""
+        had = self._jump_from is not None or self.corner is not None
+        self._jump_from = self.corner = None
         return had
 
-    def ask_reward(self, desk: Desk) -> None:
-        """Ask for the reward of the selected cells."""
-        draft, (rows, columns) = _map_of(desk), self._rectangle(desk)
+    def ask_reward(self, desk: Desk[GridDraft]) -> None:
+        """Ask for the selection's reward."""
+        draft, (rows, columns) = desk.draft, self._rectangle(desk)
         entry = draft.legend.get(draft.lines[rows.start][columns.start])
         now = 0.0 if entry is None else entry.pays
-        hint = "What is paid on entering, or on leaving, as the map's rules say."
+        hint = "Paid on entering or leaving the cell: the map's rules decide."
         desk.ask(
             Prompt("Reward of the cell", hint, f"{now:g}", number_in),
             lambda value: desk.draw((self._reward_edit(desk, float(value)),)),
         )
 
-    def _reward_edit(self, desk: Desk, value: float) -> Edit:
+    def _reward_edit(self, desk: Desk[GridDraft], value: float) -> Edit:
         rows, columns = self._rectangle(desk)
-        return Edit("reward", (span(rows), span(columns)), repr(value))
+        return Edit("reward", (brushes.span(rows), brushes.span(columns)), repr(value))
 
-    def pay(self, amount: float, desk: Desk) -> None:
-        """Raise the reward of the selected cells by ``amount``."""
+    def pay(self, desk: Desk[GridDraft], amount: float) -> None:
+        """Raise the reward of the selected cells."""
         self._pay_more(desk, self._cells(desk), amount)
 
-    def _pay_more(self, desk: Desk, cells: Sequence[Cell], amount: float) -> None:
-        edits = paying_more(_map_of(desk), cells, amount)
+    def _pay_more(self, desk: Desk[GridDraft], cells: Sequence[brushes.Cell], amount: float) -> None:
+        edits = brushes.paying_more(desk.draft, cells, amount)
         if edits:
             desk.draw(edits)
         else:
             desk.tell(_WALL_PAYS)
 
-    def mark(self, desk: Desk) -> None:
-        """Start a rectangle under the cursor, or drop the current one."""
-        self._corner = desk.view.cursor_place if self._corner is None else None
+    def mark(self, desk: Desk[GridDraft]) -> None:
+        """Start or drop a rectangle."""
+        self.corner = desk.view.cursor_place if self.corner is None else None
 
-    def copy(self, desk: Desk) -> None:
+    def copy(self, desk: Desk[GridDraft]) -> None:
         """Copy the selected cells."""
         rows, columns = self._rectangle(desk)
-        lines = _map_of(desk).lines
-        self._copied = tuple(lines[row][columns.start : columns.stop] for row in rows)
-        self._corner = None
+        lines = desk.draft.lines
+        self.copied = tuple(lines[row][columns.start : columns.stop] for row in rows)
+        self.corner = None
         desk.tell(f"copied {len(rows)} × {len(columns)} cells: w v pastes them")
 
-    def paste(self, desk: Desk) -> None:
-        """Paste the copy at the cursor, clipped by the map."""
-        draft, (top, left) = _map_of(desk), _here(desk)
+    def paste(self, desk: Desk[GridDraft]) -> None:
+        """Paste here, clipped by the map."""
+        draft, (top, left) = desk.draft, _here(desk)
         cells = {
             (top + row, left + column): character
-            for row, line in enumerate(self._copied)
+            for row, line in enumerate(self.copied)
             for column, character in enumerate(line)
             if top + row < draft.rows and left + column < draft.columns
         }
-        desk.draw(tuple(runs(list(cells), cells.__getitem__)))
+        desk.draw(tuple(brushes.runs(list(cells), cells.__getitem__)))
 
-    def resize(self, name: str, count: int, desk: Desk, *, at_end: bool = False) -> None:
-        """Add a row or column before the cursor or ``at_end``, or remove one."""
-        draft, (row, column) = _map_of(desk), _here(desk)
-        self._corner = self._jump_from = None
+    def resize(self, desk: Desk[GridDraft], name: str, count: int, *, at_end: bool) -> None:
+        """Add a row or column here or ``at_end``, or remove one."""
+        draft, (row, column) = desk.draft, _here(desk)
+        self.corner = self._jump_from = None
         last, here = (draft.rows, row) if name == "rows" else (draft.columns, column)
         if count > 0 and not at_end:
             rows, columns = draft.rows + count * (name == "rows"), draft.columns + count * (name == "columns")
             self._added = (rows, columns), row * columns + column
         desk.draw((Edit(name, (), f"{count:+d}@{last if at_end else here}"),))
 
-    def _rectangle(self, desk: Desk) -> tuple[range, range]:
+    def _rectangle(self, desk: Desk[GridDraft]) -> tuple[range, range]:
         place = desk.view.cursor_place or 0
-        corner = place if self._corner is None else self._corner
+        corner = place if self.corner is None else self.corner
         (top, left), (bottom, right) = _cell(desk, corner), _cell(desk, place)
         rows, columns = sorted((top, bottom)), sorted((left, right))
         return range(rows[0], rows[1] + 1), range(columns[0], columns[1] + 1)
 
-    def _cells(self, desk: Desk) -> list[Cell]:
+    def _cells(self, desk: Desk[GridDraft]) -> list[brushes.Cell]:
         rows, columns = self._rectangle(desk)
         return [(row, column) for row in rows for column in columns]
 
 
-def _map_of(desk: Desk) -> GridDraft:
-    draft = desk.draft
-    assert isinstance(draft, GridDraft)
-    return draft
-
-
-def _drawing(desk: Desk) -> Grid:
+def _drawing(desk: Desk[GridDraft]) -> Grid:
     drawing = desk.snapshot.world.drawing
     assert isinstance(drawing, Grid)
     return drawing
 
 
-def _cell(desk: Desk, place: int) -> Cell:
+def _cell(desk: Desk[GridDraft], place: int) -> brushes.Cell:
     """Return the draft's cell of a place, even if its line was removed."""
     row, column = divmod(place, _drawing(desk).columns)
-    return min(row, _map_of(desk).rows - 1), min(column, _map_of(desk).columns - 1)
+    return min(row, desk.draft.rows - 1), min(column, desk.draft.columns - 1)
 
 
-def _here(desk: Desk) -> Cell:
+def _here(desk: Desk[GridDraft]) -> brushes.Cell:
     return _cell(desk, desk.view.cursor_place or 0)
 
 
@@ -488,3 +321,83 @@ def _wind(draft: GridDraft, name: str, line: int) -> float:
     wind = draft.rules.get(name)
     strength = wind[line] if isinstance(wind, list) and line < len(wind) else 0
     return float(strength) if isinstance(strength, int) else 0.0
+
+
+# The tools, one row each
+
+
+def _unfinished(_: object, desk: Desk[GridDraft]) -> str:
+    return _NOT_WHOLE if desk.snapshot.editor.unfinished else ""
+
+
+def _no_reward(box: MapTools, desk: Desk[GridDraft]) -> str:
+    return "" if box.can_pay(desk) else _WALL_PAYS
+
+
+def _value(name: str, _: object, desk: Desk[GridDraft]) -> str:
+    value = rule_of(desk.draft, name)
+    return {True: "on", False: "off", "leaving": "on", "entering": "off"}.get(value, str(value))
+
+
+MapTools.tools = (
+    *(
+        Tool(each.key, each.label, each.sentence, partial(MapTools.take, brush=each)).also(
+            symbol="V" if each.key == "V" else each.character,
+            click=partial(MapTools.choose, brush=each),
+            sign=each.sign,
+            rank=2 if each is brushes.BRUSHES[0] else None,
+            hint=(". # S G H C X", "brush"),
+        )
+        for each in brushes.BRUSHES
+    ),
+    Tool(_JUMP, "jump", "Begin a jump here.", MapTools.begin_jump).also(
+        sign=Sign(CellKind.FLOOR, lambda glyphs: glyphs.right)
+    ),
+    Tool(_PICK, "pick up", "Take the brush from under the cursor.", MapTools.pick_up, ","),
+    Tool(_ARROW_KEY, "arrow", "Paint nothing: click moves, drag marks.", MapTools.point),
+    Tool("enter", "paint", "Paint here. shift+arrows paint along the way.", MapTools.enter).also(
+        rank=5, is_told=True
+    ),
+    Tool("equals_sign", "value…", "Type what the cell pays.", MapTools.ask_reward).also(
+        symbol="=", why_not=_no_reward, is_of_number=True, rank=6, hint=("= [ ]", "pays")
+    ),
+    *(
+        Tool(key, label, sentence, partial(MapTools.pay, amount=amount)).also(
+            symbol=symbol, why_not=_no_reward, is_of_number=True
+        )
+        for key, symbol, label, sentence, amount in (
+            ("left_square_bracket", "[", "less", "Make the cell pay 1 less.", -1.0),
+            ("right_square_bracket", "]", "more", "Make the cell pay 1 more.", 1.0),
+        )
+    ),
+    Tool("w m", "mark", "Begin a rectangle at the cursor, or drop it.", MapTools.mark).also(
+        value=lambda box, _: "" if box.corner is None else "on"
+    ),
+    Tool("w c", "copy", "Copy the rectangle.", MapTools.copy),
+    Tool("w v", "paste", "Paste what you copied.", MapTools.paste).also(
+        why_not=lambda box, _: "" if box.copied else _NOTHING_COPIED
+    ),
+    Tool("w f", "fill", "Fill the rectangle, else the region around the cursor.", MapTools.fill),
+    *(
+        Tool(key, label, sentence, partial(MapTools.resize, name=name, count=count, at_end=at_end)).also(
+            why_not=_unfinished
+        )
+        for key, label, sentence, name, count, at_end in (
+            ("w i", "row here", "Add a row here.", "rows", 1, False),
+            ("w d", "remove row", "Remove this row.", "rows", -1, False),
+            ("w b", "row below", "Add a row at the bottom.", "rows", 1, True),
+            ("w h", "column here", "Add a column here.", "columns", 1, False),
+            ("w x", "remove column", "Remove this column.", "columns", -1, False),
+            ("w e", "column right", "Add a column at the right.", "columns", 1, True),
+        )
+    ),
+    Tool("w r", "rules…", "Set noise, wind, living reward, time limit and more.", ask_rules),
+    *(
+        Tool(key, label, sentence, partial(next_word, name=name), value=partial(_value, name))
+        for key, label, sentence, name in (
+            ("w p", "slippery", "Slippery: ahead, left and right equally likely.", "slippery"),
+            ("w l", "on leaving", "Pay rewards on leaving a cell, or on entering it.", "rewards"),
+            ("w n", "moves", "Switch to the next set of moves.", "moves"),
+        )
+    ),
+)

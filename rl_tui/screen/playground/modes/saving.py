@@ -1,4 +1,4 @@
-"""Saving the edited world as a scenario file."""
+"""Saving the world as a scenario file."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.export.scenario_file import ScenarioFile, file_of, offered_name, path_named
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
+from rl_tui.screen.frame.message_line import complain
 
 _OVER: Final = "over"
 _ELSEWHERE: Final = "elsewhere"
@@ -34,7 +35,7 @@ class ScenarioSaving(Subject):
         try:
             text = file.text_with(snapshot.editor.draft)
         except UserError as reason:
-            self._complain(f"not saved: {reason}")
+            complain(self.screen.app, f"not saved: {reason}")
             return
         name = str(file.path) if file.path is not None else offered_name(snapshot.recipe.scenario)
         self._ask_name(snapshot, file, text, name)
@@ -65,8 +66,8 @@ class ScenarioSaving(Subject):
             else:
                 self._ask_name(snapshot, file, text, offered_name(snapshot.recipe.scenario))
 
-        elsewhere = Candidate(_ELSEWHERE, "under another name", ("that file is not changed",))
-        over = Candidate(_OVER, "over it", ("what was changed there is lost",))
+        elsewhere = Candidate(_ELSEWHERE, "under another name", ("That file is not changed.",))
+        over = Candidate(_OVER, "over it", ("Changes made there are lost.",))
         name = one_line(path.name, _LONGEST_NAME)
         self.ask(Choice(f"Save: {name} has changed meanwhile", (elsewhere, over), "", self.glyphs), answer)
 
@@ -74,9 +75,6 @@ class ScenarioSaving(Subject):
         try:
             self._file = file.written(path, text)
         except UserError as fault:
-            self._complain(str(fault))
+            complain(self.screen.app, fault)
         else:
-            self.screen.notify(f"saved: {path}", markup=False)
-
-    def _complain(self, fault: str) -> None:
-        self.screen.notify(fault, severity="error", timeout=15, markup=False)
+            self.screen.tell(f"saved: {path}")

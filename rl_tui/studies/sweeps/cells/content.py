@@ -1,8 +1,8 @@
-"""The world of a cell: its parameters, a digest of its content, and its exact values. The digest
-identifies a world whatever its file is called. A setting such as `world.noise` is a key of the world's
-table in the scenario file (a dot leads into an inner table). One with brackets, such as `world.cell[1,2]`,
-is an edit, as in the option `--change`; so is a rule of the map as which the world of an environment can
-be drawn.
+"""The world of a cell: its parameters, a digest of its content, and its exact values.
+
+`world.noise` is a key of the world's table in the scenario file (a dot leads into an inner table). With
+brackets, as in `world.cell[1,2]`, it is an edit, as in the option `--change`; so is a rule of an
+environment's map.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rl_tui.agents.compatibility import is_bandit
 from rl_tui.agents.exact.policy_evaluation import Solution
 from rl_tui.agents.exact.policy_figures import expected_return, uniform_policy
 from rl_tui.agents.exact.solve import best_expected_return
-from rl_tui.common.errors import UserError
+from rl_tui.common.errors import UserError, complaint
 from rl_tui.common.findings import near, place, shown
 from rl_tui.common.streams import streams
 from rl_tui.runs.edited_world import edited_draft
@@ -44,7 +44,7 @@ _MOST_GAMMAS: Final = 64
 
 
 class ExactFacts:
-    """Exact results of the table `mdp`, each computed once, None if unknown. Safe from several threads."""
+    """Exact results of `mdp`, each computed once. Safe from several threads."""
 
     def __init__(self, mdp: TabularMDP | None) -> None:
         self.mdp = None if mdp is None or mdp.states > MOST_STATES else mdp
@@ -86,12 +86,7 @@ class ExactFacts:
 
 
 def scenario_with(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
-    """Return `scenario` with the parameters of its world in `settings`.
-
-    Raises:
-        UserError: The world has no such parameter, or the value is impossible. The message names the
-            setting.
-    """
+    """Return `scenario` with parameters of its world. Raises UserError."""
     keys = {name: value for name, value in settings.items() if _is_key(name, scenario.section)}
     edits = {name: value for name, value in settings.items() if name not in keys}
     if edits:
@@ -102,12 +97,12 @@ def scenario_with(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario
 
 
 def raw_table(section: WorldSection) -> dict[str, Any]:
-    """Return the table from which `section` was read, with TOML types."""
+    """Return the table of `section`, with TOML types."""
     return section.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
 
 def plain_text(scenario: Scenario) -> str:
-    """Return the text of a scenario file with the current world and defaults of `scenario`."""
+    """Return a scenario file with world and defaults."""
     parts = [
         f"title = {value_text(scenario.title)}\n",
         section_text(scenario.kind, raw_table(scenario.section)),
@@ -141,9 +136,8 @@ def _with_keys(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
     if section is None or findings:
         said = ", ".join(f"{name}={written(value)}" for name, value in settings.items())
         where = place(findings[0].inside(scenario.kind).location)
-        raise UserError(
-            f"{scenario.id}: {said}: {where} is {findings[0].found}; expected {findings[0].expected}"
-        )
+        why = complaint(findings[0].found, findings[0].expected)
+        raise UserError(f"{scenario.id}: {said}: {where}: {why}")
     return _with_section(scenario, scenario.kind, section)
 
 
@@ -160,7 +154,7 @@ def _edited(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
     first = next(iter(settings))
     if scenario.section.drawn_from_seed:
         raise UserError(
-            f"{scenario.id}: {first} changes a fixed world, but here each seed draws its own world; "
+            f"{scenario.id}: {first} works only in a fixed world, but here each seed draws its own; "
             f"vary how worlds are drawn, such as {_some_key(scenario.section)}"
         )
     edits = tuple(edit for name, value in settings.items() for edit in _read_edit(scenario, name, value))
@@ -214,7 +208,7 @@ class WorldContent:
 
     @property
     def shared(self) -> World | None:
-        """The world of every seed, or None if each seed draws its own."""
+        """The world of every seed, or None if they differ."""
         return None if self.scenario.section.drawn_from_seed else self.example
 
 
@@ -228,16 +222,7 @@ class Worlds:
         self._lock = threading.RLock()
 
     def of(self, scenario: Scenario | str, settings: Mapping[str, Value], seed: int) -> WorldContent:
-        """Return the world of a cell.
-
-        Args:
-            scenario: A scenario or its name.
-            settings: Parameters of the world.
-            seed: Seed of the example if each seed draws its own world.
-
-        Raises:
-            UserError: The world cannot be built.
-        """
+        """Return the world of a cell, drawn for `seed` if needed. Raises UserError."""
         with self._lock:
             place = (scenario, *((name, type(value), value) for name, value in settings.items()))
             known = self._contents.get(place)
@@ -269,11 +254,7 @@ class Worlds:
 
 
 def content_of(scenario: Scenario, seed: int) -> WorldContent:
-    """Return the content of `scenario`, with the world of `seed` as the example.
-
-    Raises:
-        UserError: The world cannot be built.
-    """
+    """Return the content of `scenario`, drawn for `seed` if needed. Raises UserError."""
     world = scenario.build(streams(seed).world)
     return WorldContent(scenario, world, _digest(scenario, world), is_bandit(world.space))
 
@@ -298,9 +279,7 @@ def _digest(scenario: Scenario, world: World) -> str:
 
 
 def _environment(section: WorldSection) -> dict[str, str]:
-    """Return the version of Gymnasium, and a digest of the code for other environments. Empty for a world
-    that is not from Gymnasium.
-    """
+    """Return the version of Gymnasium, and a digest of other code."""
     from rl_tui.worlds.gym.section import GymnasiumSection
 
     if not isinstance(section, GymnasiumSection):
@@ -318,7 +297,6 @@ def _environment(section: WorldSection) -> dict[str, str]:
 
 
 def _source_digest(module: str) -> str:
-    """Return the SHA-256 of the source of `module`, or its name without a source."""
     import sys
     from pathlib import Path
 

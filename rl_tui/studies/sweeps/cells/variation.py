@@ -1,7 +1,7 @@
 """The text form of varied settings: `alpha=0.01:1:log:20`, `algorithm=q-learning,sarsa`.
-`NAME=FROM:TO:COUNT` has equal distances and includes both ends, and `NAME=FROM:TO:log:COUNT` has equal
-ratios. `NAME=A,B,C` lists values. A value in double quotes is JSON, and may contain a comma. The count is
-optional for random points.
+
+`NAME=FROM:TO:COUNT` has equal distances and includes both ends, `NAME=FROM:TO:log:COUNT` equal ratios. A
+value in double quotes is JSON, and may contain a comma. Random points need no count.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Variation:
 
     @property
     def count(self) -> int:
-        """Number of values, or 0 for random points without a count."""
+        """Number of values, 0 for random points without a count."""
         return len(self.listed) if self.spread is None else self.spread.count
 
     def value(self, index: int) -> Value:
@@ -56,21 +56,21 @@ class Variation:
         return self.listed[index] if self.spread is None else _value_of(self.spread, index)
 
     def drawn(self, share: float) -> Value:
-        """Return the value at `share`, in [0, 1). Uniform shares give uniform values."""
+        """Return the value at a uniform `share` in [0, 1)."""
         if self.spread is not None:
             return self.spread.between(share)
         return self.listed[int(share * len(self.listed))]
 
     @property
     def text(self) -> str:
-        """Text that `read_variation` can read."""
+        """Text for `read_variation`."""
         values = self.spread.text if self.spread is not None else ",".join(map(_written, self.listed))
         return f"{self.name}={values}"
 
 
 @dataclass(frozen=True)
 class Spread:
-    """`count` numbers from `low` to `high`, as written. A count of 0 means any."""
+    """`count` (0: any) numbers from `low` to `high`, as written."""
 
     low: str
     high: str
@@ -95,7 +95,7 @@ class Spread:
         return plain(Fraction(self.low)), plain(Fraction(self.high))
 
     def value(self, index: int) -> int | float:
-        """Return the number at `index`, from 0, correctly rounded, so equal on every machine."""
+        """Return the number at `index`, correctly rounded, so equal on every machine."""
         if index in (0, self.count - 1):
             return self.ends[1 if index else 0]
         if self.logarithmic:
@@ -119,7 +119,6 @@ class Spread:
         return self._within(_rounded(_EXACT.multiply(low, ratio), self._digits))
 
     def _within(self, number: Decimal) -> int | float:
-        """Limit a rounded `number` to the ends."""
         return self._plain(min(max(Fraction(number), Fraction(self.low)), Fraction(self.high)))
 
     @cached_property
@@ -139,7 +138,7 @@ def _value_of(spread: Spread, index: int) -> int | float:
 
 
 def plain(number: Fraction) -> int | float:
-    """Return `number` as an integer if possible, else as the nearest float."""
+    """Return `number` as an integer if possible, else as a float."""
     return int(number) if number.denominator == 1 and abs(number) < 10**15 else float(number)
 
 
@@ -148,7 +147,7 @@ def _rounded(number: Decimal, digits: int) -> Decimal:
 
 
 def read_variation(text: str) -> Variation:
-    """Parse a variation. Raises ValueError, in one line that says what was expected."""
+    """Parse a variation. Raises ValueError, which says what was expected."""
     name, equals, values = text.partition("=")
     if name.strip().startswith(PREFIX):  # a place may contain = in quotes
         name, equals, values = _world_parts(text)
@@ -167,7 +166,7 @@ def read_variation(text: str) -> Variation:
 
 
 def _world_parts(text: str) -> tuple[str, str, str]:
-    """Split a parameter of the world into name, equals sign and values. Its place may contain anything."""
+    """Split at the equals sign. A place may contain anything."""
     bracket, equals = text.find("["), text.find("=")
     if -1 < bracket < equals:
         closing = re.compile(r'(?:"(?:[^"\\]|\\.)*"|[^"\]])*\]').match(text, bracket)
@@ -180,7 +179,7 @@ def _read_values(name: str, text: str) -> Variation:
     parts = text.split(":")
     if len(parts) in (2, 3, 4) and all(_NUMBER.fullmatch(part.strip()) for part in parts[:2]):
         if name in (ALGORITHM, SCENARIO) or (parameter is not None and parameter.range is None):
-            raise ValueError(f"{name} takes words; expected {name}=A,B,C")
+            raise ValueError(f"{name} has words as values; expected {name}=A,B,C")
         return _spread([part.strip() for part in parts], name, parameter)
     values = tuple(_read_value(each, name, parameter) for each in _split(text))
     for place, value in enumerate(values):
@@ -194,16 +193,16 @@ def _spread(parts: list[str], name: str, parameter: Parameter | None) -> Variati
     logarithmic = bool(rest) and rest[0] == LOG
     counts = rest[1:] if logarithmic else rest
     if len(counts) > 1 or not all(map(_COUNT.fullmatch, counts)):
-        raise ValueError(f"expected {FORM}, COUNT a whole number from 2 to {MOST_VALUES:,}")
+        raise ValueError(f"expected {FORM}. COUNT is a whole number from 2 to {MOST_VALUES:,}")
     if max(len(low), len(high)) > _LONGEST_NUMBER:
-        raise ValueError(f"a number of more than {_LONGEST_NUMBER} characters")
+        raise ValueError(f"a number has more than {_LONGEST_NUMBER} characters")
     count, first, last = int(counts[0]) if counts else 0, Fraction(low), Fraction(high)
     if not first < last:
         raise ValueError(f"{low} is not below {high}; expected FROM below TO")
     if count == 1 or count > MOST_VALUES:
         raise ValueError(f"COUNT is {count:,}; expected a whole number from 2 to {MOST_VALUES:,}")
     if logarithmic and first <= 0:
-        raise ValueError(f"{low} has no logarithm; expected FROM above 0")
+        raise ValueError(f"FROM is {low}; log needs FROM above 0")
     whole = parameter is not None and parameter.whole
     for end in (low, high) if parameter is not None else ():
         _check(plain(Fraction(end)), name, parameter)
@@ -211,13 +210,15 @@ def _spread(parts: list[str], name: str, parameter: Parameter | None) -> Variati
     if whole and count:  # in a narrow range several values round to the same number
         if last - first + 1 < count:
             raise ValueError(
-                f"there are {last - first + 1} whole numbers from {low} to {high}, not {count:,}"
+                f"COUNT is {count:,}, but there are only {last - first + 1} whole numbers from {low} to "
+                f"{high}"
             )
         values = dict.fromkeys(spread.value(index) for index in range(count))
         if len(values) < count:
             listed = ",".join(str(each) for each in list(values)[:20])
             raise ValueError(
-                f"rounded to whole numbers some are equal; expected a list such as {name}={listed}"
+                "some values are equal after rounding to whole numbers; expected a list such as "
+                f"{name}={listed}"
             )
     return Variation(name, spread=spread)
 
@@ -265,7 +266,7 @@ def _from_json(text: str, kind: type | tuple[type, ...]) -> str:
     except (ValueError, RecursionError):
         raise ValueError(f"{shown(text)} is not JSON") from None
     if not isinstance(value, kind):
-        raise ValueError(f"{shown(text)} is not a text in quotes")
+        raise ValueError(f"{shown(text)} is not a string in quotes")
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
@@ -296,7 +297,7 @@ def _written(value: Value) -> str:
 
 
 def _is_plain_colon(value: str) -> bool:
-    """Return True if `value` is like gym:FrozenLake-v1, which cannot be a range."""
+    """Return True for values like gym:FrozenLake-v1, which cannot be ranges."""
     return re.fullmatch(r"[A-Za-z_][^\s\",\[\]{}]*", value) is not None and value not in ("true", "false")
 
 

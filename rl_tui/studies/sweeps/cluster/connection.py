@@ -1,6 +1,4 @@
-"""The connection to a Dask scheduler, with one-line errors. Dask is imported only here, and only for a
-sweep that uses it.
-"""
+"""The connection to a Dask scheduler. Only this module imports Dask."""
 
 from __future__ import annotations
 
@@ -33,7 +31,7 @@ T = TypeVar("T")
 
 
 class Landed(NamedTuple):
-    """The end of a future: its result or its error. A CancelledError means that the connection was lost."""
+    """The end of a future. A CancelledError means a lost connection."""
 
     key: str
     result: Any = None
@@ -41,11 +39,7 @@ class Landed(NamedTuple):
 
 
 class Connection:
-    """A client of the scheduler at `address`, used from one thread.
-
-    Raises:
-        UserError: The scheduler cannot be reached, now or later. The message names the address.
-    """
+    """A client of the scheduler at `address`, for one thread. Raises UserError, now or later."""
 
     def __init__(self, address: str, longest_connect: float = LONGEST_CONNECT) -> None:
         try:
@@ -61,12 +55,13 @@ class Connection:
         self._landed: queue.SimpleQueue[Landed] = queue.SimpleQueue()
 
     def threads(self) -> dict[str, int]:
-        """Return the number of threads of each worker by address."""
+        """Return the threads of each worker by address."""
         with self._in_one_line():
             return dict(within(LONGEST_ANSWER, self._client.nthreads))
 
     def versions(self, workers: Sequence[str]) -> dict[str, dict[str, str]]:
-        """Return the versions of Python and `PACKAGES` on `workers` by address, without sending our code.
+        """Return the versions of Python and `PACKAGES` on `workers`, without sending our code.
+
         A worker that has left is missing, and one that does not respond has no versions.
         """
         try:
@@ -110,8 +105,8 @@ class Connection:
         self._futures[key] = future
         if worker not in self._done:
             self._done[worker] = queue.SimpleQueue()
-            # Dask tries for half a minute to reach a worker that died with a result, which must not delay
-            # the others
+            # Dask tries for half a minute to reach a worker that died with a result, which must
+            # not delay the others
             threading.Thread(
                 target=self._collect, args=(self._done[worker],), name="collects results", daemon=True
             ).start()
@@ -134,8 +129,9 @@ class Connection:
                 self._client.cancel(futures)
 
     def running_when_left(self, worker: str) -> Collection[str] | None:
-        """Return the keys that `worker` was running when it died, or none if it left properly. None if the
-        scheduler does not say. Its finished results are lost.
+        """Return the keys that `worker` was running when it died, or None if unknown.
+
+        Its finished results are lost.
         """
         if worker in self._done:
             self._done.pop(worker).put(None)
@@ -152,7 +148,7 @@ class Connection:
             raise UserError(gone(self.address))
 
     def tell(self, function: Callable[[str], None], argument: str, workers: Sequence[str]) -> None:
-        """Call `function` on `workers` in parallel to their work, without results."""
+        """Call `function` on `workers` during their work, without results."""
         if workers and self._client.status == "running":
             run = partial(self._client.run, function, argument, workers=list(workers), on_error="ignore")
             with suppress(OSError):
@@ -171,7 +167,7 @@ class Connection:
                 done.put(None)
 
     def _collect(self, done: queue.SimpleQueue[Future | None]) -> None:
-        """Fetch the results of finished futures together, because each request costs time."""
+        """Fetch finished results together, because each request costs time."""
         while (future := done.get()) is not None:
             futures = {future.key: future}
             with suppress(queue.Empty):
@@ -195,7 +191,6 @@ class Connection:
 
     @contextmanager
     def _in_one_line(self) -> Iterator[None]:
-        """Turn a lost connection into a one-line error."""
         self.check()
         try:
             yield
@@ -206,11 +201,9 @@ class Connection:
 
 
 def within(seconds: float, ask: Callable[[], T]) -> T:
-    """Return the result of `ask`. A process that is stopped, or does not speak Dask's protocol, would
-    block clients forever.
+    """Return the result of `ask`. Raises TimeoutError, while it continues in its thread.
 
-    Raises:
-        TimeoutError: It takes longer than `seconds`. It then continues in its thread.
+    A process that is stopped, or does not speak Dask's protocol, would block clients forever.
     """
     answers: queue.SimpleQueue[tuple[T | None, BaseException | None]] = queue.SimpleQueue()
 
@@ -231,24 +224,19 @@ def within(seconds: float, ask: Callable[[], T]) -> T:
 
 
 def gone(address: str) -> str:
-    """Return the error message for a scheduler that has gone."""
-    return (
-        f"{address}: the scheduler has gone away; once it is there again, the same line goes on from what is "
-        "in the store"
-    )
+    """Return the error for a scheduler that has gone."""
+    return f"{address}: the scheduler is gone; once it is back, repeat the command to continue from the store"
 
 
 def _silence() -> None:
-    """Silence the log of Dask. An abandoned client logs tracebacks even after it is closed, from its own
-    thread.
-    """
+    """Silence Dask. An abandoned client logs tracebacks even after it is closed."""
     for name in [*logging.root.manager.loggerDict]:
         if name.split(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _check_scheduler(address: str, longest: float) -> None:
-    """Raise UserError if no scheduler responds at `address`. A client might wait forever."""
+    """Raise UserError if no scheduler responds. A client might wait forever."""
     from distributed import Security, rpc
 
     async def kind() -> str:

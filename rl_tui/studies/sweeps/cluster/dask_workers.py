@@ -1,8 +1,8 @@
-"""The workers of a Dask cluster, as the workers of a sweep. A worker with short batches gets several at a
-time, since each message costs some milliseconds. When a worker dies, the run that killed it is unknown.
-All runs it had not delivered become suspects and are sent again in small pieces. If the worker of a piece
-dies too, the runs of this piece are sent one by one, each to a worker with nothing else to do. A run that
-has killed three workers counts as failed.
+"""The workers of a Dask cluster, as the workers of a sweep.
+
+When a worker dies, the run that killed it is unknown. All runs it had not delivered become suspects and are
+sent again in small pieces. If the worker of a piece dies too, the runs of this piece are sent one by one,
+each to a worker with nothing else to do. A run that has killed three workers counts as failed.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Placement:
         (self._suspects if job.alone else self._again).append(job)
 
     def starts(self) -> Iterator[tuple[Job, str]]:
-        """Yield each job that can start now with its worker, and record it there."""
+        """Yield and record each job that can start now, with its worker."""
         kept_free = self._kept_free()
         for address in kept_free:
             if self._suspects and not self._jobs[address]:
@@ -109,7 +109,7 @@ class Placement:
             places -= 1
 
     def done(self, job: Job, address: str) -> bool:
-        """Record that `job` is done. Return False if it was no longer on the worker at `address`."""
+        """Record that `job` is done, or return False if it was not there."""
         jobs = self._jobs.get(address, [])
         if job not in jobs:
             return False
@@ -117,14 +117,12 @@ class Placement:
         return True
 
     def took(self, parts: int, seconds: float) -> None:
-        """Record the duration of the `parts` (at least 1) of a job, to adapt the size of the next jobs."""
+        """Record the duration of a job with `parts`, to adapt the size of others."""
         wanted = min(_MOST_PARTS, USUAL_TIME * parts / max(seconds, 1e-9))
         self._parts_at_once += _NEWEST * (max(1.0, wanted) - self._parts_at_once)
 
     def killed(self, job: Job, times: int = 1) -> list[BatchPart]:
-        """Blame `job` for `times` dead workers. Return its parts if they have failed, else queue them
-        again.
-        """
+        """Blame `job` for `times` dead workers. Return its failed parts, queue the others."""
         killed = job.killed + times
         if job.alone and killed >= MOST_KILLED:
             return list(job.parts)
@@ -136,9 +134,7 @@ class Placement:
         return []
 
     def leave(self, address: str, innocent: Collection[Job] = ()) -> list[BatchPart]:
-        """Remove the worker at `address`, and blame its jobs except the `innocent` ones. Return the failed
-        parts.
-        """
+        """Remove a worker, blame its jobs except the `innocent`, and return failed parts."""
         del self._threads[address]
         failed = []
         for job in self._jobs.pop(address):
@@ -153,7 +149,6 @@ class Placement:
         return job, address
 
     def _bundle(self, places: int) -> Job:
-        """Return a job of waiting batches that leaves some for each of the `places`."""
         fair = -(-len(self._fresh) // places)
         return Job(tuple(self._fresh.popleft() for _ in range(min(int(self._parts_at_once), fair))))
 
@@ -195,18 +190,10 @@ def no_word(text: str) -> None:
 
 
 class DaskWorkers:
-    """The workers of a Dask cluster, which may come and go. A worker with other versions gets no work. The
-    undelivered runs of a dead worker are repeated by others. A run that killed three workers is a failed
-    row.
+    """The workers of a Dask cluster, which may come and go, without those of other versions.
 
-    Args:
-        address: Address of the scheduler.
-        patience: Seconds to wait for usable workers.
-        tell: Called with a line about a worker without work, or a lack of workers.
-
-    Raises:
-        UserError: The scheduler cannot be reached or has gone, or there are no usable workers. The message
-            names the address.
+    After `patience` seconds without any it raises UserError, as for a scheduler that has gone. `tell`
+    receives lines about missing or refused workers.
     """
 
     def __init__(
@@ -242,7 +229,7 @@ class DaskWorkers:
         self._placement.add(batch)
 
     def finished(self, seconds: float) -> Rows:
-        """Return finished rows with their batches, waiting up to `seconds` for the first."""
+        """Return finished rows, waiting up to `seconds`."""
         end = time.monotonic() + seconds
         rows = list[tuple[Batch, RunRow]]()
         while True:
@@ -267,7 +254,6 @@ class DaskWorkers:
         self._connection.close()
 
     def _look(self) -> Rows:
-        """Update the list of workers. Return the rows of runs that have killed three workers."""
         now = time.monotonic()
         if now - self._looked < _LOOK_EVERY:
             return ()
@@ -286,19 +272,17 @@ class DaskWorkers:
         return rows
 
     def _check_workers(self, now: float) -> None:
-        """Raise UserError if there have been no workers for too long. Report when it begins."""
         if self._placement.workers:
             self._without_workers_since = None
             return
         if self._without_workers_since is None:
             self._without_workers_since = now
             if not self._refused and self._patience:
-                self._tell(f"{self._connection.address}: no workers; waiting {self._patience:g} s for some")
+                self._tell(f"{self._connection.address}: no workers; waiting {self._patience:g} s for one")
         if now - self._without_workers_since >= self._patience or (self._refused and not self._sent):
             raise UserError(self._no_workers())
 
     def _leave(self, address: str) -> Rows:
-        """Remove the worker at `address`, which has gone. Return the rows of failed runs."""
         keys = [key for key, flight in self._flights.items() if flight.worker == address]
         running = self._connection.running_when_left(address)
         innocent = [] if running is None else [self._flights[key].job for key in keys if key not in running]
@@ -312,7 +296,6 @@ class DaskWorkers:
         self._tell(f"{address} gets no work: it {why}")
 
     def _send(self) -> None:
-        """Send jobs to free workers. Called from `finished`, so that batches are sent together."""
         for job, address in self._placement.starts():
             self._sent += 1
             key = f"rl-tui-{_name(job)}-{self._sweep}-{self._sent}"
@@ -326,7 +309,7 @@ class DaskWorkers:
             return
         job, answer = flight.job, landed.result
         if isinstance(landed.error, ImportError) or _is_of_unpickling(landed.error):
-            answer = TaskAnswer(refusal=f"cannot import rl-tui as it is here ({landed.error})")
+            answer = TaskAnswer(refusal=f"cannot import the rl-tui of this machine ({landed.error})")
         elif landed.error is not None:
             yield from self._take_error(job, landed.error)
             return
@@ -393,7 +376,5 @@ def _rest(job: Job, answer: TaskAnswer) -> Job | None:
 
 
 def _failed(part: BatchPart) -> tuple[Batch, RunRow]:
-    why = (
-        f"its worker died {MOST_KILLED} times of {MOST_KILLED}: out of memory, or a crash of the environment"
-    )
+    why = f"its worker died {MOST_KILLED} times: out of memory, or the environment crashed"
     return part.batch, RunRow(part.seeds[0], NO_FIGURES, why)

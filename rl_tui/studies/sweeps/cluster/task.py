@@ -1,4 +1,4 @@
-"""Messages to and from workers. Orders and answers are data, so a worker needs no scenario file."""
+"""Messages to and from workers, as data without files."""
 
 from __future__ import annotations
 
@@ -57,8 +57,9 @@ class Order:
 
 @dataclass(frozen=True)
 class TaskAnswer:
-    """The result of an order: rows of the first seeds of its first parts. `refusal` is the reason why this
-    worker cannot do the rest. Without one, time ran out.
+    """Rows of the first seeds of the first parts of an order.
+
+    `refusal` is the reason why this worker cannot do the rest. Without one, time ran out.
     """
 
     rows: tuple[tuple[RunRow, ...], ...] = ()
@@ -75,8 +76,9 @@ class RefusedError(Exception):
 
 
 class Call:
-    """A pickled call that is made when it is unpickled. A scheduler thus passes on bytes, and needs
-    neither rl-tui nor the workers' Python version.
+    """A pickled call that is made when it is unpickled.
+
+    A scheduler thus needs neither rl-tui nor the workers' Python version.
     """
 
     def __init__(self, function: Callable[..., object], *arguments: object) -> None:
@@ -100,7 +102,7 @@ def order_of(parts: Iterable[tuple[Cell, tuple[int, ...]]], sweep: str, versions
 
 
 def train(order: Order) -> TaskAnswer:
-    """Train the runs of `order` on a worker, at least one, until the time limit."""
+    """Train the runs of `order`, at least one, until the time limit."""
     start = time.monotonic()
     rows: list[tuple[RunRow, ...]] = []
     try:
@@ -128,7 +130,6 @@ def _kernels() -> str:
 
 
 def _cell(part: OrderPart, modules: tuple[str, ...]) -> Cell:
-    """Return the cell of `part`. Raises RefusedError if its world differs here."""
     name = part.recipe.scenario.id
     try:
         content = _CONTENTS.of(part, modules)
@@ -136,7 +137,7 @@ def _cell(part: OrderPart, modules: tuple[str, ...]) -> Cell:
         said = one_line(str(reason), _LONGEST_REASON)
         raise RefusedError(f"cannot build the world of {name}: {said}") from reason
     if content.digest != part.digest:
-        raise RefusedError(f"builds another world of {name}: is its version of the environment different?")
+        raise RefusedError(f"builds a different {name}: its version of the environment may differ")
     return Cell(0, {}, replace(part.recipe, scenario=content.scenario), part.goal, content)
 
 
@@ -157,7 +158,7 @@ def _rows(cell: Cell, seeds: tuple[int, ...], sweep: str, end: float) -> tuple[R
 
 
 class _Contents:
-    """A cache of the worlds in this process. Orders have many copies of a scenario."""
+    """A cache of worlds. Orders have many copies of a scenario."""
 
     def __init__(self) -> None:
         self._scenarios = OrderedDict[str, Scenario]()
@@ -165,7 +166,6 @@ class _Contents:
         self._lock = threading.Lock()
 
     def of(self, part: OrderPart, modules: tuple[str, ...]) -> WorldContent:
-        """Return the world of `part`. Raises UserError if it cannot be built here."""
         with self._lock:
             scenario = self._scenarios.setdefault(part.digest, part.recipe.scenario)
             self._scenarios.move_to_end(part.digest)

@@ -1,4 +1,4 @@
-"""The versions on which the bits of a run depend, and their differences on workers."""
+"""The versions on which the bits of a run depend."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NO_VERSION: Final = ""
 
 
 def versions_here() -> dict[str, str]:
-    """Return the version of each of `PACKAGES` in this process, and of Python without its patch number."""
+    """Return the versions of `PACKAGES` and of Python, without its patch."""
     return {PYTHON: minor(platform.python_version()), **{name: _version(name) for name in PACKAGES}}
 
 
@@ -33,7 +33,7 @@ def minor(python: str) -> str:
 def difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:
     """Describe the differences of `theirs` from `ours`, or return ""."""
     return ", ".join(
-        f"has {_said(name, theirs.get(name, NO_VERSION))} where {wanted} is wanted"
+        f"has {_said(name, theirs.get(name, NO_VERSION))} instead of {wanted}"
         for name, wanted in ours.items()
         if theirs.get(name, NO_VERSION) != wanted
     )

@@ -1,4 +1,4 @@
-"""Steps of an environment whose states are known by the table's index, each reported one step late."""
+"""Steps whose states are known by the table's index, each reported one step late."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from typing import Any, Final
 
 import gymnasium
 
-from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, Seen
+from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, Puts, Seen
 from rl_tui.programs.watched.child.boxes.sites import Sites
+from rl_tui.programs.watched.child.boxes.table_steps import TableSteps
 from rl_tui.programs.watched.child.environments.making import Making, id_of
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.environments.watched_env import StepReports
@@ -28,11 +29,12 @@ _MOST_HELD: Final = 5_000
 """Steps without a table, after which the oldest are not reported any more."""
 _PATIENCE: Final = 5.0  # seconds without a table before a message
 _UNREAD: Final = (
-    "{}: the state is what indexes the table; no table was written yet by an index that can be read"
+    "{}: rl-tui reads the state from the index of your table, but your program has not written to a "
+    "table with a readable index yet"
 )
 _OF_OTHERS: Final = (
-    "{}: the state is what indexes the table; {} is not used, because each step changes other actions than "
-    "its own"
+    "{}: rl-tui reads the state from the index of your table. {} is not used, because each step changes "
+    "actions that were not taken"
 )
 _UNKNOWN: Final = "unknown"
 """Name of a state that no index shows."""
@@ -40,8 +42,6 @@ _UNKNOWN: Final = "unknown"
 
 @dataclass
 class _Pending:
-    """A step that is not reported yet."""
-
     action: int
     reward: float
     flags: int
@@ -50,17 +50,8 @@ class _Pending:
     """What each table showed after it."""
 
 
-class BoxReports(StepReports):
-    """Reports the steps of the environment called `name`, once a table is found.
-
-    Args:
-        name: Name of the environment.
-        actions: Number of actions.
-        recorder: Receives the steps.
-        announce: Reports the environment and its numbering, and returns its number.
-        note: Receives a message.
-        wanted: Name of the table, if given by the user.
-    """
+class BoxReports(Puts, StepReports):
+    """Reports the steps of the environment `name`, once a table is found."""
 
     def __init__(
         self,
@@ -80,12 +71,11 @@ class BoxReports(StepReports):
         self._episode = -1
         self._next_state: int | None = None
         """State after the last reported step."""
-        self._open: tuple[int, IndexedTable, set[int], Seen] | None = None
         self.is_over = False
         """True if no further step is reported."""
 
     def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
-        """Call `take` with `action`, once permitted, and keep the step."""
+        """Take a step, once permitted, and keep it."""
         self._before(frame, "step")
         result = self._call(lambda: take(action))
         step = step_of(result)
@@ -101,19 +91,19 @@ class BoxReports(StepReports):
         return result
 
     def reset(self, frame: Any, begin: Callable[[], Any]) -> Any:
-        """Call `begin`, once permitted."""
+        """Begin an episode, once permitted."""
         self._before(frame, "reset")
         self._recorder.resets += self._table is not None
         self._place = 0
         return self._call(begin)
 
     def before_put(self, site: int, sites: Sites, frame: FrameType) -> None:
-        """Read the index of an assignment that the program is about to make."""
+        """Read the index of an assignment beforehand."""
         self._open = None
         if self.is_over or not self._pending:
             return
         index = sites[site].index
-        if self._wanted not in (None, index.name, index.name.split(".")[-1]):
+        if not self.wants(index):
             return
         candidate = self._candidates.get(index.name)
         if candidate is None:
@@ -128,15 +118,8 @@ class BoxReports(StepReports):
         if states is not None:
             self._open = site, candidate, states, seen
 
-    def after_put(self, site: int) -> None:
-        """Compare the rows of an assignment that the program has made."""
-        if self._open is not None and self._open[0] == site:
-            _, candidate, states, seen = self._open
-            candidate.compare(states, seen)
-        self._open = None
-
     def finish(self) -> None:
-        """Report the last steps of the program."""
+        """Report the last steps."""
         if self.is_over or (self._table is None and self._recorder.count):
             return
         if self._table is None:
@@ -155,27 +138,21 @@ class BoxReports(StepReports):
             self.is_inside = False
 
     def _before(self, frame: Any, method: str) -> None:
-        """Report the steps whose next state is known now, and wait for permission."""
         self._open = None
         if self.is_over:
             return
-        if self._table is None:
-            self._look_for_table()
+        if self._table is None and self._recorder.count:  # a world around this one reports
+            self._drop()
+        elif self._table is None and len(self._pending) >= FEW_STEPS:
+            self._choose()
+            if self._table is None:
+                self._wait_for_table()
         if self._table is not None:
             if len(self._pending) > 1:
                 self._judge(self._pending[-2], self._pending[-1])
             self._report_until(0 if method == "reset" else 1, frame, method)
 
-    def _look_for_table(self) -> None:
-        if self._recorder.count:  # a world around this one reports
-            self._drop()
-        elif len(self._pending) >= FEW_STEPS:
-            self._choose()
-            if self._table is None:
-                self._wait_for_table()
-
     def _reason(self) -> str:
-        """Return a message about the missing table."""
         others = [each.name for each in self._candidates.values() if each.wrong > each.right]
         return (_OF_OTHERS if others else _UNREAD).format(self._name, *others)
 
@@ -183,21 +160,16 @@ class BoxReports(StepReports):
         are_too_many = len(self._pending) >= _MOST_HELD
         if are_too_many or monotonic() > self._began + _PATIENCE:
             self._note(self._reason())
-        if are_too_many:
-            self._forget()
-
-    def _forget(self) -> None:
-        """Begin anew with the search for a table."""
-        self._pending.clear()
-        for each in self._candidates.values():
-            each.begin()
+        if are_too_many:  # the search begins anew
+            self._pending.clear()
+            for each in self._candidates.values():
+                each.begin()
 
     def _drop(self) -> None:
         self.is_over = True
         self._pending.clear()
 
     def _choose(self) -> None:
-        """Choose the most likely table, if there is one, and report it."""
         usable = [each for each in self._candidates.values() if each.is_usable]
         if not usable:
             return
@@ -221,7 +193,6 @@ class BoxReports(StepReports):
             table.judge(step.seen.get(table.name, Seen()), state, next_state)
 
     def _state(self, step: _Pending) -> int | None:
-        """Return the state of a step, if one of the tables shows it."""
         assert self._table is not None
         keys = [step.seen[name].key for name in self._candidates if name in step.seen]
         known = [each for each in keys if each is not None]
@@ -231,7 +202,6 @@ class BoxReports(StepReports):
             return None
 
     def _report_until(self, left: int, frame: Any, method: str) -> None:
-        """Report pending steps until only `left` are left, each once permitted."""
         assert self._table is not None
         numbering = self._table.numbering
         self._recorder.before(frame, numbering, method)
@@ -241,7 +211,6 @@ class BoxReports(StepReports):
             self._recorder.before(frame, numbering, method)
 
     def _report(self, step: _Pending, after: _Pending | None) -> None:
-        """Report a step, and what is known of the state after it."""
         table = self._table
         assert table is not None
         seen = step.seen.get(table.name, Seen())
@@ -260,49 +229,42 @@ class BoxReports(StepReports):
                 for each in (state, self._next_state)
             )
         except UnfitError as why:
-            self._note(f"{self._name} is not watched any more: {why}")
+            self._note(f"{self._name} is no longer watched: {why}")
             self._drop()
             return
-        told = (
-            self.number,
-            state,
-            step.action,
-            step.reward,
-            next_state,
-            step.flags,
-            self._episode,
-            step.place,
-        )
-        self._recorder.after_late(told, table.numbering, seen.before, seen.changes, is_end=after is None)
+        told = (self.number, state, step.action, step.reward, next_state, step.flags)
+        whole = (*told, self._episode, step.place)
+        self._recorder.after_late(whole, table.numbering, seen.before, seen.changes, is_end=after is None)
 
 
 class BoxWorlds:
-    """Watches the first environment whose observations have fractions, and others with its name.
-
-    Args:
-        recorder: Receives the steps.
-        making: Makes the environments.
-        note: Receives messages.
-        wanted: Name of the table, if given by the user.
-    """
+    """Watches the first environment whose observations have fractions, and others with its name."""
 
     def __init__(
-        self, recorder: Recorder, making: Making, note: Callable[[str], None], wanted: str | None
+        self,
+        recorder: Recorder,
+        making: Making,
+        note: Callable[[str], None],
+        wanted: str | None,
+        has_steps: Callable[[], bool],
     ) -> None:
         self._recorder, self._making, self._note, self._wanted = recorder, making, note, wanted
         self._name = ""
         self._reports: BoxReports | None = None
         self.sites = Sites()
+        self.table_steps = TableSteps(recorder, making, self._has_reports, has_steps, note, wanted)
 
     def install(self) -> None:
-        """Watch the environments made from now on."""
+        """Watch environments from now on."""
         self._making.without_states = self._reports_of
         self.sites.call(self._before_put, self._after_put)
 
     def finish(self) -> None:
-        """Report the last steps of the program."""
-        if self._reports is not None:
-            self._reports.finish()
+        """Report the last steps."""
+        (self._reports or self.table_steps).finish()
+
+    def _has_reports(self) -> bool:
+        return self._reports is not None or self._recorder.count > 0
 
     def _reports_of(self, env: gymnasium.Env[Any, Any]) -> BoxReports | None:
         name, actions = id_of(env), env.action_space
@@ -327,9 +289,7 @@ class BoxWorlds:
         return number
 
     def _before_put(self, site: int) -> None:
-        if self._reports is not None:
-            self._reports.before_put(site, self.sites, sys._getframe(1))
+        (self._reports or self.table_steps).before_put(site, self.sites, sys._getframe(1))
 
     def _after_put(self, site: int) -> None:
-        if self._reports is not None:
-            self._reports.after_put(site)
+        (self._reports or self.table_steps).after_put(site, self.sites, sys._getframe(1))

@@ -1,4 +1,4 @@
-"""A table that may be the program's, because its index has the action of each step."""
+"""A table that may be the program's: its index has each step's action."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.programs.watched.child.boxes.sites import Index, IndexSite
+from rl_tui.programs.watched.child.boxes.sites import Index, IndexSite, Sites
 from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.keyed_table import keyed_form, sizes_of
 from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError
@@ -28,12 +28,12 @@ ReadPlace = tuple[int, int]
 
 @dataclass
 class Seen:
-    """What a table showed between a step and the next call. Differences are flat lists of cell, old value
-    and new value.
-    """
+    """Changes of a table between a step and the next call: flat lists of cell, old and new value."""
 
     key: Key | None = None
     """The state of the step."""
+    action: int = -1
+    """The action in the last index."""
     reads: dict[ReadPlace, int] = field(default_factory=dict)
     """States that were read beside it."""
     before: list[float] = field(default_factory=list)
@@ -41,8 +41,30 @@ class Seen:
     changes: list[float] = field(default_factory=list)
 
 
+class Puts:
+    """Compares the rows of a table around each assignment."""
+
+    _wanted: str | None = None
+    """Name of the table, if given by the user."""
+    _open: tuple[int, IndexedTable, set[int], Seen] | None = None
+    """The assignment that the program is making: its site, table, and states with what they showed."""
+
+    def wants(self, index: Index) -> bool:
+        """Return True if this table may be followed."""
+        return self._wanted in (None, index.name, index.name.split(".")[-1])
+
+    def after_put(self, site: int, sites: Sites, frame: FrameType) -> None:
+        """Compare the rows of an assignment."""
+        del sites, frame
+        if self._open is not None and self._open[0] == site:
+            _, table, states, seen = self._open
+            if table.form is not None:
+                seen.changes += table.form.differences(table.table, states)
+        self._open = None
+
+
 class IndexedTable:
-    """A table of `actions` actions, called `name`, and the assignments to it."""
+    """A table of `actions` actions, and the assignments to it."""
 
     def __init__(self, name: str, actions: int) -> None:
         self.name = name
@@ -57,48 +79,50 @@ class IndexedTable:
         """Counts of each index: right, right after a step to another state, and wrong."""
 
     def begin(self) -> None:
-        """Begin anew: the table of now is the initial one."""
+        """Take the table of now as the initial one."""
         if not self.is_hopeless:
             self.right = self.wrong = 0
         self.initial = None if self.form is None else self.form.values()
 
     @property
     def lines(self) -> list[tuple[str, int, int]]:
-        """File, line and number of assignments of each place."""
+        """File, line and number of assignments."""
         return [(*place, count) for place, count in self._lines.items()]
 
     @property
     def is_usable(self) -> bool:
-        """True if enough assignments had the action of their step."""
+        """True if enough assignments had their step's action."""
         return self.right >= _ENOUGH and self.wrong <= self.right * _MOST_WRONG
 
     @property
     def is_hopeless(self) -> bool:
-        """True if many assignments had another action than that of their step."""
+        """True if many assignments had another action."""
         return self.wrong > max(_MANY, self.right * _MOST_WRONG)
 
     def look(
-        self, site: IndexSite, number: int, frame: FrameType, action: int, seen: Seen
+        self, site: IndexSite, number: int, frame: FrameType, action: int | None, seen: Seen
     ) -> set[int] | None:
-        """Read the index of an assignment before it is made, and the rows of its states. Return these
-        states, or None for other assignments.
+        """Return the states of an assignment beforehand, or None for others.
+
+        Without an `action`, the index shows the action of the step.
         """
         keys, table = site.index.keys(frame), site.index.table(frame)
-        if keys is None or len(keys) < 2 or type(keys[-1]) is not int:
+        if keys is None or len(keys) < 2 or (action is not None and type(keys[-1]) is not int):
             return None
-        key = keys[0] if len(keys) == 2 else keys[:-1]
-        if not 0 <= keys[-1] < self.numbering.actions:
+        key, name = keys[0] if len(keys) == 2 else keys[:-1], keys[-1]
+        if type(name) is int and not 0 <= name < self.numbering.actions:
             return None
         if self.form is None:
             self._number_in_order(table, len(keys))
         try:
             state = self.numbering.state(key)
+            seen.action = self.numbering.action(name)
         except UnfitError:
             return None
         if not self._take(table):
             return None
         assert self.form is not None
-        is_right = keys[-1] == action and seen.key in (None, key)
+        is_right = action in (None, seen.action) and seen.key in (None, key)
         self.right, self.wrong = self.right + is_right, self.wrong + (not is_right)
         if is_right:
             seen.key = key
@@ -118,13 +142,8 @@ class IndexedTable:
             seen.before += found
         return states
 
-    def compare(self, states: set[int], seen: Seen) -> None:
-        """Read the rows of `states` after an assignment."""
-        if self.form is not None:
-            seen.changes += self.form.differences(self.table, states)
-
     def judge(self, seen: Seen, state: int, next_state: int) -> None:
-        """Learn from a step between known states which index reads the next one."""
+        """Learn from a known step which index reads the next state."""
         for place, read in seen.reads.items():
             votes = self._votes.setdefault(place, [0, 0, 0])
             votes[0] += read == next_state
@@ -132,7 +151,7 @@ class IndexedTable:
             votes[2] += read != next_state
 
     def next_state(self, seen: Seen) -> int | None:
-        """Return the next state that an index showed which was never wrong, or None."""
+        """Return the next state by an index that was always right, if any."""
         votes = {place: self._votes.get(place, (0, 0, 0)) for place in seen.reads}
         sure = [
             place
@@ -142,7 +161,6 @@ class IndexedTable:
         return seen.reads[max(sure, key=lambda place: votes[place])] if sure else None
 
     def _number_in_order(self, table: Any, parts: int) -> None:
-        """Give numbers to the states of a small array or lists, in order. An index has `parts` parts."""
         sizes = table.shape if type(table) is np.ndarray else sizes_of(table)
         count = prod(sizes[:-1])
         if len(sizes) == parts and sizes[-1] == self.numbering.actions and count <= _MOST_IN_ORDER:
@@ -151,7 +169,7 @@ class IndexedTable:
             self.numbering = MetNumbering(states, sizes[-1], most=count + 1)  # one more for unknown states
 
     def _take(self, table: Any) -> bool:
-        """Follow `table`. Return False if it has no numbers for the states met so far."""
+        """Return False if `table` has no numbers for the states met so far."""
         if self.form is None:
             self.form = keyed_form(table, self.numbering)
             if self.form is not None:
@@ -161,7 +179,6 @@ class IndexedTable:
         return self.form is not None
 
     def _state_read(self, index: Index, frame: FrameType, parts: int) -> int | None:
-        """Return the state whose row, or one number of it, is read, or None."""
         keys = index.keys(frame)
         if keys is None or len(keys) not in (parts, parts + 1):
             return None

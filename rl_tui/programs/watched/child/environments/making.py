@@ -28,18 +28,19 @@ MOST_STATES: Final = 20_000
 _WITHDRAWN: Final = (gymnasium.error.DeprecatedEnv, gymnasium.error.VersionNotFound)
 _KNOWN: Final = ("gymnasium.", "rl_tui.")
 _VECTORS: Final = (
-    "a vector environment takes several steps at once; rl-tui watches environments made by gymnasium.make, "
-    "a step at a time"
+    "a vector environment takes several steps at once; use gymnasium.make, because rl-tui watches one step "
+    "at a time"
 )
 _NO_ENVIRONMENT: Final = (
     "nothing to watch: the script takes no step in an environment of Gymnasium, a class with reset() and "
     "step(action), or a function step(state, action)"
 )
-_NO_STEP: Final = "no step was seen: those of copies of an environment and of other processes are not watched"
+_NO_RENDERING: Final = 'render_mode="human" is ignored: rl-tui shows the world'
+_NO_STEP: Final = "no step was seen: copies of an environment and other processes are not watched"
 
 
 class Making:
-    """Makes and numbers the environments of a program. `seed` is that of the run."""
+    """Makes and numbers the environments of a program."""
 
     def __init__(self, recorder: Recorder, seed: int) -> None:
         self._recorder, self._seed = recorder, seed
@@ -53,7 +54,7 @@ class Making:
         self.direct = DirectEnvs(self._announce, self._without_limit)
 
     def install(self) -> None:
-        """Replace Gymnasium's `make` by `make`."""
+        """Replace Gymnasium's `make`."""
         for module in (gymnasium, gymnasium.envs, registration):
             for name, other in (("make", self.make), ("make_vec", self._refuse_vectors)):
                 if hasattr(module, name):
@@ -63,24 +64,24 @@ class Making:
         self.direct.install(self._seed)
 
     def tell_what_was_missed(self) -> None:
-        """Report why nothing was seen of a finished program, if so."""
+        """Report why nothing was seen of a finished program."""
         if self._recorder.count == 0 and not (self._was_asked and self._made == 0):
             self._note(_NO_STEP if self._made else _NO_ENVIRONMENT)
 
     @property
     def is_inside(self) -> bool:
-        """True while an environment runs that reports its own steps."""
+        """True while an environment reports its own steps."""
         return any(each.is_inside for each in self._all)
 
     def announce_own(self, name: str, numbering: Numbering, time_limit: int = 0) -> int:
-        """Report a world whose states only the program knows, called `name`, and return its number."""
+        """Report a world of the program's own, and return its number."""
         number = self._made
         self._made += 1
         self._tell_sizes(number, name, numbering, time_limit=time_limit)
         return number
 
     def tell_names(self, number: int, numbering: MetNumbering) -> None:
-        """Report the names of the states and actions met so far."""
+        """Report the names met so far."""
         self._recorder.channel.message(
             MessageKind.NAMES,
             number=number,
@@ -89,11 +90,11 @@ class Making:
         )
 
     def make(self, *arguments: Any, **more: Any) -> Any:
-        """Make an environment as Gymnasium does, and a withdrawn one in its newest version."""
+        """Make an environment, of a withdrawn one the newest version."""
         self._was_asked = True
         if more.get("render_mode") == "human":
             more["render_mode"] = None
-            self._note('render_mode="human" is ignored: rl-tui shows the world')
+            self._note(_NO_RENDERING)
         if Elsewhere.is_now:  # an environment that makes another one
             return self._original(*arguments, **more)
         with made_elsewhere():
@@ -108,7 +109,7 @@ class Making:
                 return WatchedEnv(env, reports, self._seed, self.direct.hand_out)
             spaces = f"{type(env.observation_space).__name__} observations"
             spaces += f" and {type(env.action_space).__name__} actions"
-            self._note(f"{id_of(env)} is not watched: it has {spaces}, no finite numbers of them")
+            self._note(f"{id_of(env)} is not watched: it has {spaces}, which are not discrete")
             return env
         return self._watched(env, numbering)
 
@@ -135,8 +136,10 @@ class Making:
         return WatchedEnv(env, reports, seed, self.direct.hand_out)
 
     def _announce(self, env: gymnasium.Env[Any, Any]) -> StepReports | None:
-        """Report an environment that was made from its class. Those of a class have one number."""
         numbering = numbering_of(env)
+        if getattr(env, "render_mode", None) == "human":
+            env.render_mode = None
+            self._note(_NO_RENDERING)
         if numbering is None:
             return None
         key = (type(env), numbering)
@@ -148,7 +151,6 @@ class Making:
         return reports
 
     def _without_limit(self, env: gymnasium.Env[Any, Any], reports: StepReports) -> None:
-        """Report again an environment that the program took out of its wrappers."""
         if reports.number >= 0:
             self._tell(env, reports, time_limit=0)
 
@@ -207,14 +209,15 @@ class Making:
 
 
 def attributes_of_env(env: gymnasium.Env[Any, Any]) -> Mapping[str, Any]:
-    """Return the attributes of an environment without calling its class."""
+    """Return the attributes without calling the class."""
     found = object.__getattribute__(env, "__dict__")
     return found if type(found) is dict else attributes(env)
 
 
 def transitions_of(table: Any, numbering: Numbering) -> list[list[list[list[float]]]] | None:
-    """Return the table of an environment, `[s][a]` a list of [probability, next state, reward,
-    terminated]. None if it has other values, or more than 20,000 states.
+    """Return an environment's table, `[s][a]` a list of [probability, next state, reward, terminated].
+
+    None if it has other values, or more than 20,000 states.
     """
     if not isinstance(table, (dict, list)) or numbering.states > MOST_STATES or numbering.is_tuple:
         return None

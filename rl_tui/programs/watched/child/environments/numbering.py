@@ -15,8 +15,8 @@ Key = int | tuple[int, ...]
 
 @dataclass(unsafe_hash=True)
 class Numbering:
-    """Numbers of observations whose parts have the sizes `parts` from `first` on (one part for a plain
-    number), and of `actions` actions from `first_action` on.
+    """Numbers of observations whose parts have the sizes `parts` from `first` on, and of actions. A plain
+    number has one part.
     """
 
     parts: tuple[int, ...]
@@ -32,28 +32,26 @@ class Numbering:
 
     @property
     def counts_from_0(self) -> bool:
-        """True if the number of a state equals its observation."""
+        """True if states equal observations."""
         return not self.is_tuple and self.first == (0,)
 
     def state(self, observation: Any) -> int:
-        """Return the number of an observation, in row-major order for a tuple. Raises TypeError or
-        ValueError for an invalid one.
-        """
+        """Return an observation's number, row-major. Raises TypeError or ValueError if invalid."""
         if not self.is_tuple:
             state = index(observation) - self.first[0]
             if 0 <= state < self.parts[0]:
                 return state
-            raise ValueError("an observation outside of its space")
+            raise ValueError("the observation is outside its space")
         state = 0
         for each, size, first in zip(observation, self.parts, self.first, strict=True):
             place = index(each) - first
             if not 0 <= place < size:
-                raise ValueError("an observation outside of its space")
+                raise ValueError("the observation is outside its space")
             state = state * size + place
         return state
 
     def action(self, action: Any) -> int:
-        """Return the number of an action from 0. Raises TypeError or ValueError for an invalid one."""
+        """Return an action's number. Raises TypeError or ValueError if invalid."""
         try:
             number = index(action) - self.first_action
         except TypeError:  # an array of one number, which works as an index too
@@ -62,10 +60,10 @@ class Numbering:
             number = int(action[0]) - self.first_action
         if 0 <= number < self.actions:
             return number
-        raise ValueError("an action outside of its space")
+        raise ValueError("the action is outside its space")
 
     def place(self, state: int) -> tuple[int, ...]:
-        """Return the index of a state in an array with a dimension for each part."""
+        """Return a state's index in an array."""
         place = []
         for size in reversed(self.parts):
             state, part = divmod(state, size)
@@ -73,7 +71,7 @@ class Numbering:
         return tuple(reversed(place))
 
     def key(self, state: int) -> Key:
-        """Return the observation of a state, as a dict of the program would use it."""
+        """Return a state's observation as a dict's key."""
         if not self.is_tuple:
             return state + self.first[0]
         return tuple(part + first for part, first in zip(self.place(state), self.first, strict=True))
@@ -86,7 +84,7 @@ def _numbering(*parts: Any) -> Numbering:
 
 
 def numbering_of(env: gymnasium.Env[Any, Any]) -> Numbering | None:
-    """Return the numbers of observations and actions, or None if they are not finite."""
+    """Return the numbers of observations and actions, if finite."""
     actions, observations = env.action_space, env.observation_space
     is_tuple = isinstance(observations, gymnasium.spaces.Tuple)
     parts = tuple(observations) if isinstance(observations, gymnasium.spaces.Tuple) else (observations,)

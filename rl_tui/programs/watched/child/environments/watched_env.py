@@ -1,4 +1,4 @@
-"""An environment whose steps are reported, whether the program calls it or what is inside it."""
+"""An environment that reports its steps, whoever calls them."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.messages import MessageKind, StepFlag
 
 _TERMINATED, _TRUNCATED = int(StepFlag.TERMINATED), int(StepFlag.TRUNCATED)
-_STRANGE: Final = "a step was left out: an observation or action outside of its space, or no five results"
+_STRANGE: Final = (
+    "a step was ignored: its observation or action is outside of its space, or it did not return five values"
+)
 
 
 class StepReports:
-    """Reports the steps of environment `number`, which is −1 until it has one. While `is_inside`, the
-    environment itself runs.
-    """
+    """Reports the steps of environment `number`, −1 at first. `is_inside` is True while that runs."""
 
     def __init__(self, number: int, numbering: Numbering, recorder: Recorder) -> None:
         self.number, self.numbering, self._recorder = number, numbering, recorder
@@ -38,7 +38,7 @@ class StepReports:
         self._is_strange = False
 
     def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
-        """Call `take` with `action`, once permitted, and report the step. `frame` is the caller's."""
+        """Take a step, once permitted, and report it."""
         self._recorder.before(frame, self.numbering, "step")
         if self.bare is not None:
             state = self.bare.__dict__.get("s")
@@ -72,7 +72,7 @@ class StepReports:
         return result
 
     def reset(self, frame: Any, begin: Callable[[], Any]) -> Any:
-        """Call `begin`, once permitted, and note the state in which the episode begins."""
+        """Begin an episode, once permitted, and note its state."""
         self._recorder.before(frame, self.numbering, "reset")
         self.is_inside = self.is_used = True
         try:
@@ -82,7 +82,7 @@ class StepReports:
         self._recorder.resets += 1
         self._place = 0
         try:
-            self.state = self.numbering.state(observation_of(result))
+            self.state = self.numbering.state(result[0] if is_with_information(result) else result)
         except (TypeError, ValueError, LookupError):
             self._leave_out()
         return result
@@ -94,27 +94,26 @@ class StepReports:
 
 
 def in_new_form(result: Any) -> tuple[Any, ...]:
-    """Return the four values of the old Gym's `step` as five. Raises TypeError or ValueError for others."""
+    """Return the old Gym's four values as five. Raises TypeError or ValueError for others."""
     observation, reward, done, info = result
     is_truncated = isinstance(info, dict) and bool(info.get("TimeLimit.truncated"))
     return observation, reward, bool(done) and not is_truncated, is_truncated, info
 
 
-def observation_of(result: Any) -> Any:
-    """Return the observation that `reset` returned, with or without information."""
-    is_new = type(result) is tuple and len(result) == 2 and isinstance(result[1], dict)
-    return result[0] if is_new else result
+def is_with_information(result: Any) -> bool:
+    """Return True if `reset` also returned information."""
+    return type(result) is tuple and len(result) == 2 and isinstance(result[1], dict)
 
 
 class Elsewhere:
-    """`is_now` is True while `make` or a copy makes environments, which do not report themselves."""
+    """True while environments are made that do not report themselves."""
 
     is_now = False
 
 
 @contextmanager
 def made_elsewhere() -> Iterator[None]:
-    """Let environments made in this context not report themselves."""
+    """Let environments made meanwhile not report themselves."""
     before, Elsewhere.is_now = Elsewhere.is_now, True
     try:
         yield
@@ -122,9 +121,17 @@ def made_elsewhere() -> Iterator[None]:
         Elsewhere.is_now = before
 
 
+def _of_the_inside(name: str) -> Any:
+    return property(
+        lambda env: getattr(env._inside, name), lambda env, value: setattr(env._inside, name, value)
+    )
+
+
 class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
-    """An environment made by `gymnasium.make`. The first reset without a seed uses `seed`. If the
-    program asks for the environment inside, `hand_out` lets that report its steps too.
+    """An environment made by `gymnasium.make`.
+
+    The first reset without a seed uses `seed`. If the program asks for the environment inside, `hand_out`
+    lets that report its steps too.
     """
 
     def __init__(
@@ -142,7 +149,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
         self._take = env.step
 
     def step(self, action: Any) -> Any:
-        """Take a step, once permitted, and report it."""
+        """Take a reported step."""
         return self.reports.step(sys._getframe(1), self._take, action)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
@@ -154,7 +161,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
 
     @property
     def env(self) -> Any:
-        """The environment inside. The program gets the next inner one, as without this wrapper."""
+        """The next inner environment."""
         inside = self._inside
         if is_users_file(sys._getframe(1).f_code.co_filename):
             self._hand_out(inside.unwrapped, self.reports)
@@ -174,27 +181,12 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
             self._hand_out(bare, self.reports)
         return bare
 
-    @property
-    def action_space(self) -> Any:
-        """The actions."""
-        return self._inside.action_space
-
-    @action_space.setter
-    def action_space(self, space: Any) -> None:
-        self._inside.action_space = space
-
-    @property
-    def observation_space(self) -> Any:
-        """The observations."""
-        return self._inside.observation_space
-
-    @observation_space.setter
-    def observation_space(self, space: Any) -> None:
-        self._inside.observation_space = space
+    action_space = _of_the_inside("action_space")
+    observation_space = _of_the_inside("observation_space")
 
     @property
     def spec(self) -> Any:
-        """Specification of the environment without this wrapper, so that others can make it."""
+        """Specification without this wrapper, for making others."""
         return self._inside.spec
 
     def __getattr__(self, name: str) -> Any:

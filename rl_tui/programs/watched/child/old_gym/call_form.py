@@ -1,4 +1,4 @@
-"""The form in which a call of `reset` or `step` expects its result, read from the code around the call.
+"""The form in which a call of `reset` or `step` expects its result, read from the code around it.
 
 The old Gym returned (observation, reward, done, info) from `step`, and the observation from `reset`. Since
 version 0.26 they are (observation, reward, terminated, truncated, info) and (observation, info).
@@ -35,6 +35,8 @@ class Use(Enum):
     """It is unpacked into `number` names."""
     INDEXED = auto()
     """Its item `number` is taken."""
+    OBSERVATION = auto()
+    """Its name gets the observations of `step` too."""
     AS_IT_IS = auto()
 
 
@@ -46,7 +48,7 @@ class CallForm(NamedTuple):
 
 
 def step_result(frame: FrameType, result: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return the five values of `step` in the form that the call in `frame` expects."""
+    """Return the five values as the call in `frame` expects."""
     form = form_of(frame)
     if form.use is Use.UNPACKED and form.number in (OLD, NEW):
         values = form.number
@@ -63,7 +65,7 @@ def step_result(frame: FrameType, result: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def reset_result(frame: FrameType, result: tuple[Any, Any]) -> Any:
-    """Return (observation, info) in the form that the call in `frame` expects."""
+    """Return (observation, info) as the call in `frame` expects."""
     form, is_new = form_of(frame), values_around(frame) == NEW
     observation = result[0]
     parts = len(observation) if hasattr(observation, "__len__") else 0
@@ -72,11 +74,13 @@ def reset_result(frame: FrameType, result: tuple[Any, Any]) -> Any:
         return observation if is_of_observation else result
     if form.use is Use.INDEXED and not parts:
         return result
+    if form.use is Use.OBSERVATION:
+        return observation
     return result if is_new else observation
 
 
 def values_around(frame: FrameType | None) -> int:
-    """Return the number of values that most calls of `step` unpack, in the file of `frame` or a caller's."""
+    """Return how many values most calls of `step` unpack, in the file of `frame` or a caller's."""
     seen = set()
     for each in islice(_callers(frame), _MOST_FRAMES):
         file = each.f_code.co_filename
@@ -95,7 +99,7 @@ def _callers(frame: FrameType | None) -> Iterator[FrameType]:
 
 
 def values_in(file: str) -> int:
-    """Return the number of values that most calls of `step` in `file` unpack, or 0."""
+    """Return the number that most calls of `step` unpack, or 0."""
     counted = Counter(
         form.number for form in _forms(file).values() if form.use is Use.UNPACKED and form.is_of_step
     )
@@ -104,7 +108,7 @@ def values_in(file: str) -> int:
 
 
 def form_of(frame: FrameType) -> CallForm:
-    """Return the form that the running call in `frame` expects."""
+    """Return the form that the call in `frame` expects."""
     return _form_at(frame.f_code, frame.f_lasti)
 
 
@@ -124,7 +128,6 @@ class _KnownForm(NamedTuple):
 
 @lru_cache(maxsize=64)
 def _forms(file: str) -> Mapping[tuple[int, int], _KnownForm]:
-    """Return the forms of all calls of `step` and `reset` in `file`, by the end of each call."""
     try:
         tree, _, _ = parsed("".join(linecache.getlines(file)), file)
     except _NOT_PYTHON:
@@ -139,7 +142,6 @@ def _forms(file: str) -> Mapping[tuple[int, int], _KnownForm]:
 
 
 def _calls(node: ast.AST, parent: ast.AST, scope: _Scope) -> Iterator[tuple[_Scope, ast.AST, ast.Call]]:
-    """Yield each call below `node` with the function around it and its parent."""
     if isinstance(node, ast.Call):
         yield scope, parent, node
     inner = node if isinstance(node, _Scope) else scope
@@ -148,7 +150,6 @@ def _calls(node: ast.AST, parent: ast.AST, scope: _Scope) -> Iterator[tuple[_Sco
 
 
 def _use_in(parent: ast.AST, value: ast.expr, scope: _Scope) -> CallForm:
-    """Return the use of `value`, which may have a name first."""
     form = _use_by(parent, value)
     name = _name_of(parent, value)
     if form.use is not Use.AS_IT_IS or not name:
@@ -161,7 +162,24 @@ def _use_in(parent: ast.AST, value: ast.expr, scope: _Scope) -> CallForm:
     ]
     unpacked = [each for each in uses if each.use is Use.UNPACKED]
     indexed = [each for each in uses if each.use is Use.INDEXED]
+    if name in _observations_in(scope):
+        form = CallForm(Use.OBSERVATION)
     return max(unpacked or indexed, key=lambda each: each.number, default=form)
+
+
+def _observations_in(scope: ast.AST) -> set[str]:
+    """Return the names that get the first of several values of `step`, and those that get them in turn."""
+    found, given = set[str](), dict[str, str]()
+    for node in ast.walk(scope):
+        match node:
+            case ast.Assign(
+                targets=[ast.Tuple(elts=[ast.Name(id=name), *_])],
+                value=ast.Call(func=ast.Attribute(attr="step")),
+            ):
+                found.add(name)
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Name(id=source)):
+                given[name] = source
+    return found | {name for name, source in given.items() if source in found}
 
 
 def _use_by(parent: ast.AST, value: ast.AST) -> CallForm:
@@ -175,7 +193,6 @@ def _use_by(parent: ast.AST, value: ast.AST) -> CallForm:
 
 
 def _name_of(parent: ast.AST, value: ast.expr) -> str:
-    """Return the name that `parent` gives to `value`, or ""."""
     match parent:
         case ast.Assign(targets=[ast.Name(id=name)]) | ast.AnnAssign(target=ast.Name(id=name)):
             return name

@@ -10,43 +10,54 @@ from typing import Any, Final
 import gymnasium
 import numpy as np
 
+from rl_tui.programs.watched.child.environments.watched_env import in_new_form, is_with_information
 from rl_tui.programs.watched.child.errors import is_users_file
 from rl_tui.programs.watched.child.old_gym.call_form import NEW, reset_result, step_result
 from rl_tui.programs.watched.child.stand_ins import Nothing
 
 _PICTURE: Final = (64, 64, 3)
+_WITH_EPISODES: Final = "gymnasium.envs.toy_text."
+"""Package of environments whose first episode began when they were made."""
+_STATES: Final = ("s", "player")
+"""Attributes of which each of these environments has one after its first reset."""
+_OF_AN_EPISODE: Final = (*_STATES, "lastaction", "dealer")
 HandOut = Callable[[gymnasium.Env[Any, Any]], None]
 
 
 def answer(frame: FrameType, method: str, result: Any) -> Any:
-    """Return the result of `method` as the user's call in `frame` expects it."""
+    """Return a result as the user's call expects it."""
     if type(result) is not tuple or not is_users_file(frame.f_code.co_filename):
         return result
     if method == "step":
         return step_result(frame, result) if len(result) == NEW else result
-    is_new = len(result) == 2 and isinstance(result[1], dict)
-    return reset_result(frame, result) if is_new else result
+    return reset_result(frame, result) if is_with_information(result) else result
 
 
 def render(env: Any, mode: str = "human", **_: Any) -> Any:
-    """Return a black picture or no text, because rl-tui shows the world."""
+    """Return no picture, because rl-tui shows the world."""
     del env
     return {"rgb_array": np.zeros(_PICTURE, np.uint8), "ansi": ""}.get(mode)
 
 
 def seed(env: Any, number: int | None = None) -> list[int]:
-    """Seed the random numbers of `env`."""
+    """Seed the random numbers."""
     env.np_random = gymnasium.utils.seeding.np_random(number)[0]
     return [number or 0]
 
 
 def missing_attribute(env: Any, name: str) -> Any:
-    """Return an attribute that only environments of the old Gym had."""
+    """Return an attribute that only the old Gym had."""
     if name in ("nS", "nA"):
         space = env.observation_space if name == "nS" else env.action_space
         return int(space.n)
     if name == "isd":
         return env.initial_state_distrib
+    if name in _OF_AN_EPISODE:
+        kinds: list[Any] = [each for each in type(env).__mro__ if each.__module__.startswith(_WITH_EPISODES)]
+        if kinds and not any(each in env.__dict__ for each in _STATES):
+            kinds[-1].reset(env)
+        if kinds and name in env.__dict__:
+            return env.__dict__[name]
     if name == "monitor":
         return Nothing()
     raise AttributeError(f"{type(env).__name__!r} object has no attribute {name!r}")
@@ -57,7 +68,7 @@ INNER_METHODS: Final = {"render": render, "seed": seed, "__getattr__": missing_a
 
 
 class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
-    """An environment as the old `gym.make` returned it. `hand_out` gets what is inside, if asked for."""
+    """An environment of the old `gym.make`. `hand_out` gets what is inside."""
 
     def __init__(self, env: gymnasium.Env[Any, Any], hand_out: HandOut) -> None:
         self._held = env
@@ -70,15 +81,18 @@ class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
         return answer(sys._getframe(1), "step", self._held.step(action))
 
     def reset(self, **more: Any) -> Any:
-        """Begin an episode, with the seed given to `seed`, if any."""
+        """Begin an episode, with the seed given to `seed`."""
         more.pop("return_info", None)
         if more.get("seed") is None:
             more["seed"], self._given_seed = self._given_seed, None
         return answer(sys._getframe(1), "reset", self._held.reset(**more))
 
     def seed(self, number: int | None = None) -> list[int]:
-        """Seed the next episode."""
+        """Seed the next episode, and an environment that has not drawn any number yet."""
         self._given_seed = number
+        inside = self._held.unwrapped
+        if number is not None and getattr(inside, "_np_random", self) is None:
+            seed(inside, number)
         return [number or 0]
 
     def render(self, mode: str = "human", **_: Any) -> Any:
@@ -90,7 +104,7 @@ class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
 
     @property
     def env(self) -> Any:
-        """The environment without its wrappers, as the old Gym's time limit had it."""
+        """The unwrapped environment, as in the old Gym."""
         return self._inside(self._held)
 
     @env.setter
@@ -99,7 +113,7 @@ class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
 
     @property
     def unwrapped(self) -> Any:
-        """The environment without its wrappers."""
+        """The environment without wrappers."""
         return self._inside(self._held.unwrapped)
 
     def _inside(self, seen_by_libraries: Any) -> Any:
@@ -120,7 +134,7 @@ class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
 
 
 def old_wrapper(base: Any) -> Any:
-    """Return the wrapper class `base` of Gymnasium in the old form."""
+    """Return Gymnasium's wrapper in the old form."""
 
     def step(env: Any, action: Any) -> Any:
         return answer(sys._getframe(1), "step", base.step(env, action))
@@ -138,11 +152,11 @@ def old_wrapper(base: Any) -> Any:
 
 
 class NewForm(gymnasium.Env):  # type: ignore[misc]
-    """A user's environment in the old form, as Gymnasium's own wrappers expect one."""
+    """A user's environment in the form that Gymnasium's wrappers expect."""
 
     def __init__(self, env: Any) -> None:
         self._user_env = env
-        self.action_space, self.observation_space = env.action_space, env.observation_space
+        self.action_space, self.observation_space = env.action_space, getattr(env, "observation_space", None)
 
     @property
     def unwrapped(self) -> Any:
@@ -151,7 +165,7 @@ class NewForm(gymnasium.Env):  # type: ignore[misc]
 
     @property
     def spec(self) -> Any:
-        """The specification that `make` has given to the user's environment."""
+        """The specification that `make` has given."""
         return getattr(self._user_env, "spec", None)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
@@ -162,17 +176,12 @@ class NewForm(gymnasium.Env):  # type: ignore[misc]
             found = self._user_env.reset(seed=seed, options=options)
         except TypeError:
             found = self._user_env.reset()
-        is_new = type(found) is tuple and len(found) == 2 and isinstance(found[1], dict)
-        return found if is_new else (found, {})
+        return found if is_with_information(found) else (found, {})
 
     def step(self, action: Any) -> Any:
         """Take a step."""
         found = self._user_env.step(action)
-        if len(found) == NEW:
-            return found
-        observation, reward, done, info = found
-        is_truncated = bool(info.get("TimeLimit.truncated"))
-        return observation, reward, bool(done) and not is_truncated, is_truncated, info
+        return found if len(found) == NEW else in_new_form(found)
 
     def render(self) -> Any:
         """Return nothing."""

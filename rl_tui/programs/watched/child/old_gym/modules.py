@@ -1,4 +1,4 @@
-"""The modules of the old Gym, as far as scripts use them."""
+"""The modules of the old Gym that scripts use."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rl_tui.programs.watched.child.old_gym.environments import (
 from rl_tui.programs.watched.child.stand_ins import Nothing
 
 _NOTE: Final = (
-    "the script imports the old gym: Gymnasium answers instead, in the form that each call of reset and step "
+    "the script imports the old gym: Gymnasium replaces it, and each call of reset and step gets the form it "
     "expects"
 )
 _OLD: Final = "gym"
@@ -44,12 +44,12 @@ _WRAPPERS: Final = {
 
 
 def offer_old_gym(making: Making, note: Callable[[str], None]) -> None:
-    """Answer `import gym`, installed or not. `note` receives a message when that happens."""
+    """Answer `import gym`, installed or not, and `note` it."""
     sys.meta_path.insert(0, OldGym(making, note))
 
 
 class OldGym:
-    """Finds `gym` and its modules. Other modules of Gymnasium have the same content under the old name."""
+    """Finds `gym` and its modules. Others of Gymnasium have the same content under the old name."""
 
     def __init__(self, making: Making, note: Callable[[str], None]) -> None:
         self._making, self._note = making, note
@@ -67,7 +67,7 @@ class OldGym:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return a spec for a module of the old Gym."""
+        """Return a spec for the old Gym."""
         if fullname.partition(".")[0] != _OLD or self._content(fullname) is None:
             return None
         return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
@@ -85,14 +85,12 @@ class OldGym:
             self._begin()
 
     def _begin(self) -> None:
-        """Let environments without wrappers answer in the old form too."""
         direct: DirectEnvs = self._making.direct
         direct.answer, direct.more_methods = answer, INNER_METHODS
         if not hasattr(gymnasium.Env, "seed"):
             gymnasium.Env.seed = seed
 
     def _content(self, name: str) -> Mapping[str, Any] | None:
-        """Return the content of the module `name`, or None if there is no such module."""
         if name in self._own:
             return self._own[name]()
         try:
@@ -146,7 +144,6 @@ class OldGym:
 
 
 def _inner_module(outer: str, name: str) -> Any:
-    """Return the module `name` of `outer`, which the script need not have imported."""
     try:
         return importlib.import_module(f"{outer}.{name}")
     except ImportError:
@@ -154,15 +151,11 @@ def _inner_module(outer: str, name: str) -> Any:
 
 
 class _Registry(dict[str, Any]):
-    """The registered environments, with the old ways to list them."""
-
     @property
     def env_specs(self) -> _Registry:
-        """The environments by id."""
         return self
 
     def all(self) -> list[Any]:
-        """Return the specifications of all environments."""
         return list(self.values())
 
 
@@ -172,14 +165,10 @@ def _itself(env: Any, *_: Any, **__: Any) -> Any:
 
 
 class _OldRandom(np.random.RandomState):
-    """A generator with the old names of its methods and the new ones."""
-
     def integers(self, *arguments: Any, **more: Any) -> Any:
-        """Return random integers."""
         return self.randint(*arguments, **more)
 
     def random(self, size: Any = None) -> Any:
-        """Return random numbers from 0 to 1."""
         return self.random_sample(size)
 
 

@@ -1,4 +1,4 @@
-"""A table whose rows are found by the states of the program's own world, in one of several shapes."""
+"""A table with rows by the states of a program's own world."""
 
 from __future__ import annotations
 
@@ -37,6 +37,8 @@ class KeyShape(StrEnum):
     """An array, indexed by the parts of the state and the action."""
     LISTS = "lists"
     """Lists of lists, indexed in the same way."""
+    PLACED_DICTS = "array-of-dicts"
+    """An array or lists of dicts by action, indexed by the parts of the state."""
     ROWS = "dict-of-arrays"
     """A dict of rows, which are lists or arrays."""
     DICTS = "dict-of-dicts"
@@ -50,7 +52,7 @@ class KeyShape(StrEnum):
 
 
 class KnownShape(NamedTuple):
-    """The shape of a table, whether its keys are texts of the states, and its number of actions."""
+    """A table's shape, whether keys are texts, and the number of actions."""
 
     shape: KeyShape
     has_texts: bool
@@ -62,11 +64,11 @@ _BY_PLACE: Final = (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.ROWS)
 
 
 def shape_of(value: Any, examples: Sequence[Any]) -> KnownShape | None:
-    """Return the shape of `value` as a table with a row for some of the states `examples`, or None."""
+    """Return the shape of a table with a row for some states `examples`."""
     plain = [key_of(each) for each in examples]
-    if type(value) is np.ndarray:
+    if type(value) is np.ndarray and value.dtype != object:
         return _shape_of_array(value, plain)
-    if type(value) is list:
+    if type(value) in (list, np.ndarray):
         return _shape_of_lists(value, plain)
     if _is_frame(value):
         return _shape_of_frame(value, examples, plain)
@@ -74,7 +76,7 @@ def shape_of(value: Any, examples: Sequence[Any]) -> KnownShape | None:
 
 
 def keyed_form(value: Any, numbering: Numbering) -> HeldTable | None:
-    """Return the form of `value` as a table for `numbering`, or None."""
+    """Return `value` as a table for `numbering`, or None."""
     is_met = isinstance(numbering, MetNumbering)
     states = numbering if isinstance(numbering, MetNumbering) else FixedStates(numbering)
     try:
@@ -88,7 +90,10 @@ def keyed_form(value: Any, numbering: Numbering) -> HeldTable | None:
         return None
     if found.shape in _BY_PLACE and not (states.are_actions_places and found.actions == numbering.actions):
         return None
-    if not is_met and found.shape is KeyShape.ARRAY:  # a larger array may be anything
+    if not is_met and found.shape in (
+        KeyShape.ARRAY,
+        KeyShape.PLACED_DICTS,
+    ):  # a larger array may be anything
         return None
     if not is_met and found.shape is KeyShape.LISTS and sizes_of(value)[:-1] != numbering.parts:
         return None
@@ -96,7 +101,6 @@ def keyed_form(value: Any, numbering: Numbering) -> HeldTable | None:
 
 
 def _states_in(table: dict[Any, Any], numbering: Numbering) -> Iterator[Any]:
-    """Yield the states of the first keys of `table`, which may have an action at their end."""
     for key in islice(dict.keys(table), _MOST_EXAMPLES):
         inner = (key[0], key[:-1]) if type(key) is tuple and key else ()
         for each in (key, *inner):
@@ -105,7 +109,7 @@ def _states_in(table: dict[Any, Any], numbering: Numbering) -> Iterator[Any]:
 
 
 def sizes_of(lists: Any) -> tuple[int, ...]:
-    """Return the lengths of nested lists, one of each depth."""
+    """Return the lengths of nested lists, by depth."""
     return (len(lists), *sizes_of(lists[0])) if type(lists) is list and lists else ()
 
 
@@ -128,21 +132,32 @@ def _shape_of_array(value: Any, plain: Sequence[Any]) -> KnownShape | None:
 
 
 def _shape_of_lists(value: Any, plain: Sequence[Any]) -> KnownShape | None:
-    widths = set()
+    shapes = set()
     for key in plain:
         row = value
         for part in _parts(key):
-            if type(row) is not list or type(part) is not int or not 0 <= part < len(row):
+            if type(row) not in (list, np.ndarray) or type(part) is not int or not 0 <= part < len(row):
                 return None
             row = row[part]
-        if not _is_row(row):
+        if _is_dict_row(row):
+            shapes.add((KeyShape.PLACED_DICTS, dict.__len__(row)))
+        elif _is_row(row) and type(value) is list:
+            shapes.add((KeyShape.LISTS, len(row)))
+        else:
             return None
-        widths.add(len(row))
-    return KnownShape(KeyShape.LISTS, False, widths.pop()) if len(widths) == 1 else None
+    if len(shapes) != 1:
+        return None
+    ((shape, width),) = shapes
+    return KnownShape(shape, False, width)
 
 
 def _is_row(row: Any) -> bool:
     return type(row) in (list, np.ndarray) and _is_width(len(row)) and all(map(is_number, row))
+
+
+def _is_dict_row(row: Any) -> bool:
+    is_dict = issubclass(type(row), dict) and _is_width(dict.__len__(row))
+    return is_dict and all(map(is_number, dict.values(row)))
 
 
 def _is_frame(value: Any) -> bool:
@@ -166,10 +181,9 @@ def _shape_of_dict(value: Any, examples: Sequence[Any], plain: Sequence[Any]) ->
     for original, key in zip(examples, plain, strict=True):
         for has_texts, each in ((False, key), (True, str(original))):
             row: Any = dict.get(value, each)
-            if issubclass(type(row), dict) and _is_width(dict.__len__(row)):
-                if all(map(is_number, dict.values(row))):
-                    return KnownShape(KeyShape.DICTS, has_texts, dict.__len__(row))
-            elif row is not None and _is_row(row):
+            if _is_dict_row(row):
+                return KnownShape(KeyShape.DICTS, has_texts, dict.__len__(row))
+            if row is not None and _is_row(row):
                 return KnownShape(KeyShape.ROWS, has_texts, len(row))
     return _shape_of_pairs(value, examples, plain)
 
@@ -193,9 +207,7 @@ def _shape_of_pairs(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -
 
 
 class KeyedTable(HeldTable):
-    """A table of `shape`, read by the keys of its states, which are their texts if `has_texts`. Reading
-    adds nothing to it.
-    """
+    """A table of `shape`, read by its states, or by their texts. Reading adds nothing to it."""
 
     def __init__(
         self, numbering: Numbering, states: MetNumbering | FixedStates, shape: KeyShape, has_texts: bool
@@ -206,28 +218,26 @@ class KeyedTable(HeldTable):
         self.is_compared_whole = False
 
     def take(self, table: Any) -> None:
-        """Store the content of `table`."""
+        """Store the table."""
         self._kept: dict[int, tuple[float, ...]] = {}
         self._length = -1
         self.all_differences(table)
 
     def values(self) -> Doubles:
-        """Return the stored content, `[S·A]`."""
+        """Return the stored table."""
         found = np.full(self.cells, NAN)
         for state, row in self._kept.items():
             found[state * self.actions : (state + 1) * self.actions] = row
         return found
 
     def row(self, state: int) -> Sequence[float]:
-        """Return a stored row, `[A]`."""
+        """Return a stored row."""
         return self._kept.get(state, (NAN,) * self.actions)
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return and store what has changed in the rows of `states`. Raises ValueError if an action turns
-        out to be a name, but the rows have places.
-        """
+        """Compare these rows. Raises ValueError if an action is a name, but rows have places."""
         if self._shape in _BY_PLACE and not self._states.are_actions_places:
-            raise ValueError("actions are not places in a row")
+            raise ValueError("the actions are not numbered from 0")
         if self._count(table) != self._length:
             return self.all_differences(table)
         found: list[float] = []
@@ -236,7 +246,7 @@ class KeyedTable(HeldTable):
         return found
 
     def all_differences(self, table: Any) -> list[float]:
-        """Return and store what has changed anywhere."""
+        """Compare everything."""
         self._length = self._count(table)
         if self._shape is KeyShape.FRAME:
             self._read_frame(table)
@@ -246,11 +256,11 @@ class KeyedTable(HeldTable):
         return found
 
     def peek(self, table: Any, state: int) -> object:
-        """Return the current row of `state`, or None."""
+        """Return the current row, or None."""
         return self._row(table, state)
 
     def _count(self, table: Any) -> int:
-        if self._shape in (KeyShape.ARRAY, KeyShape.LISTS):
+        if self._shape in (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.PLACED_DICTS):
             return len(self._states.met)
         return len(table.index) if self._shape is KeyShape.FRAME else dict.__len__(table)
 
@@ -267,7 +277,6 @@ class KeyedTable(HeldTable):
         self._columns = [self._states.action_of_key(each) for each in table.columns.tolist()]
 
     def _row(self, table: Any, state: int) -> tuple[float, ...] | None:
-        """Return the row of `state`, or None if the table has none."""
         original = self._states.key(state)
         try:
             key = str(original) if self._has_texts else key_of(original)
@@ -277,11 +286,12 @@ class KeyedTable(HeldTable):
 
     def _row_of(self, table: Any, key: Any) -> tuple[float, ...] | None:
         match self._shape:
-            case KeyShape.ARRAY | KeyShape.LISTS:
+            case KeyShape.ARRAY | KeyShape.LISTS | KeyShape.PLACED_DICTS:
                 row = table
                 for part in _parts(key):
                     row = row[part]
-                return _numbers(row)
+                is_dict = self._shape is KeyShape.PLACED_DICTS
+                return self._by_action(row, ()) if is_dict else _numbers(row)
             case KeyShape.FRAME:
                 found = [NAN] * self.actions
                 numbers = table.to_numpy()[self._places[key]]
@@ -296,7 +306,6 @@ class KeyedTable(HeldTable):
         return self._by_action(table, (key,) if self._shape is KeyShape.PAIRS else _parts(key))
 
     def _by_action(self, table: Any, start: tuple[Any, ...]) -> tuple[float, ...] | None:
-        """Return the numbers of a dict by action, or by `start` and action."""
         keys = [self._states.action_key(each) for each in range(self.actions)]
         found = [dict.get(table, (*start, key) if start else key) for key in keys]
         return None if all(each is None for each in found) else tuple(map(number_of, found))

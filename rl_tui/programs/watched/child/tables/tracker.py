@@ -1,14 +1,25 @@
-"""Following the table of a program, which may be assigned again."""
+"""Following a table that may be assigned again."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from types import FrameType
 from typing import Any, Final
 
 from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.tables.forms import add_difference
+from rl_tui.programs.watched.child.tables.held_table import Doubles
 from rl_tui.programs.watched.child.tables.recognition import form_of
-from rl_tui.programs.watched.child.tables.search import MISSING, TableCandidate, Way, candidates
+from rl_tui.programs.watched.child.tables.search import (
+    MISSING,
+    EntryWay,
+    TableCandidate,
+    Way,
+    candidates,
+    rank,
+    twin_of,
+)
 
 _CLOSELY: Final = 500  # first comparisons, each of the whole table
 _PATIENCE: Final = 20  # comparisons without a result, of the whole table and at ends of episodes
@@ -19,7 +30,7 @@ _LOOK_AGAIN: Final = 1.1  # growth of the interval between searches for a lost t
 
 
 class TableTracker:
-    """Reports changes of the table `found`. `wanted` is the name or path given by the user."""
+    """Reports changes of the table `found`."""
 
     def __init__(self, found: TableCandidate, wanted: str | None) -> None:
         self.way, self.table, self.form = found.way, found.value, found.form
@@ -42,13 +53,10 @@ class TableTracker:
     def differences(
         self, frame: FrameType | None, states: Iterable[int], *, at_reset: bool = False
     ) -> list[float]:
-        """Return all changes since the last call: cell, old and new value of each. Rows of the last steps
-        are always compared, and at a reset those of the whole episode.
+        """Return cell, old and new value of each change since the last call.
 
-        Args:
-            frame: Frame that called `step` or `reset`, None at the end of the program.
-            states: States of the last steps.
-            at_reset: True for `reset`.
+        Rows of the last steps, `states`, are always compared, and at a reset those of the whole episode.
+        `frame` is None at the end of the program.
         """
         self._calls += 1
         way = self.way
@@ -73,7 +81,7 @@ class TableTracker:
         return found
 
     def changes_seen(self, states: Iterable[int]) -> int:
-        """Return how often a row of `states` has changed between calls of this function."""
+        """Return how often a row of `states` has changed."""
         table = self.way.read()
         if type(table) is not type(self.table):
             table = self.table
@@ -85,11 +93,14 @@ class TableTracker:
         return self._changes_seen
 
     def rows_are_shared(self) -> bool:
-        """Return True if rows of the table are the same object."""
+        """Return True if rows are the same object."""
         return self.form.rows_are_shared(self.table)
 
+    def row(self, state: int) -> Sequence[float]:
+        """Return the row as last reported."""
+        return self.form.row(state)
+
     def _plan_next(self, was_outside: bool, at_reset: bool) -> None:
-        """Compare the whole table more often if it changes elsewhere, else less often."""
         self._since_whole = 0
         if was_outside and not at_reset:
             self._spacing, self._quiet = 1.0, 0
@@ -143,11 +154,10 @@ class TableTracker:
         return False
 
     def _follow(self, frame: FrameType | None) -> None:
-        """Find the table again after its function has ended: in the next call, or elsewhere."""
         above = frame
         while above is not None:
             if above.f_code is self._code:
-                way = Way(above, above.f_locals, self.way.names)
+                way = replace(self.way, frame=above, scope=above.f_locals)
                 if self._fits(way):
                     self.way = way
                     return
@@ -158,7 +168,7 @@ class TableTracker:
         return form_of(way.read(), self.numbering) is not None
 
     def _search(self, frame: FrameType | None) -> None:
-        """Search for the table again, less and less often. The old one is kept until another is found."""
+        """Search again, less and less often. The old table is kept until another is found."""
         if frame is None or self._calls < self._look_at:
             return
         found = candidates(frame, self.numbering, self._wanted)
@@ -170,3 +180,144 @@ class TableTracker:
             self._look_at = 0
         else:
             self._look_at = int(self._calls * _LOOK_AGAIN) + 1
+
+
+# Two tables that change in turn
+
+
+_TURNS: Final = 10  # changes of the other table than before, in the same episode, until both count as one
+_MOST_OFTEN: Final = 3  # times as often the same table as the other one, or the reverse
+_FEWEST_ALIKE: Final = 3  # cells that changed in both tables
+
+
+class PairTracker(TableTracker):
+    """Follows a table with its `twin`.
+
+    As soon as they change in turn, as in Double Q-learning, their mean is reported instead of the first.
+
+    Args:
+        found: The first table.
+        twin: The other one.
+        on_pair: Called with the name of the twin, and both tables, `[2·S·A]`.
+        on_changes: Called with changes. Cells count from S·A in the first table, from 2·S·A in the other.
+    """
+
+    def __init__(
+        self,
+        found: TableCandidate,
+        twin: TableCandidate,
+        on_pair: Callable[[str, Doubles], None],
+        on_changes: Callable[[list[float]], None],
+    ) -> None:
+        super().__init__(found, found.way.name())
+        self._twin = TableTracker(twin, twin.way.name())
+        self._on_pair, self._on_changes = on_pair, on_changes
+        self._values: tuple[list[float], list[float]] | None = None
+        self._turn: int | None = None  # the table that changed last in this episode
+        self._turns = self._same = self._both = 0
+        self._cells: tuple[set[float], set[float]] = (set(), set())  # changed in each table
+
+    def differences(
+        self, frame: FrameType | None, states: Iterable[int], *, at_reset: bool = False
+    ) -> list[float]:
+        """Return all changes of the reported table."""
+        states = tuple(states)
+        found = super().differences(frame, states, at_reset=at_reset)
+        others = self._twin.differences(frame, states, at_reset=at_reset)
+        if self._values is not None:
+            self.is_another = self.is_another or self._twin.is_another
+            return self._of_mean(found, 0) + self._of_mean(others, 1)
+        self._count(_moved(found), _moved(others))
+        if at_reset:
+            self._turn = None
+        return found + self._begin() if self._is_pair() else found
+
+    def changes_seen(self, states: Iterable[int]) -> int:
+        """Count changes in both tables."""
+        states = tuple(states)
+        return super().changes_seen(states) + self._twin.changes_seen(states)
+
+    def rows_are_shared(self) -> bool:
+        """Return True if rows of a table are shared."""
+        return super().rows_are_shared() or self._twin.rows_are_shared()
+
+    def row(self, state: int) -> Sequence[float]:
+        """Return the row as last reported."""
+        if self._values is None:
+            return super().row(state)
+        begin = state * self.form.actions
+        return [self._mean(cell) for cell in range(begin, begin + self.form.actions)]
+
+    def _count(self, first: set[float], other: set[float]) -> None:
+        if first and other:
+            self._both += 1
+        elif first or other:
+            turn = int(bool(other))
+            self._cells[turn].update(first or other)
+            self._turns += self._turn == 1 - turn
+            self._same += self._turn == turn
+            self._turn = turn
+
+    def _is_pair(self) -> bool:
+        few, many = sorted((self._turns, self._same))
+        is_drawn = self._turns >= _TURNS and few * _MOST_OFTEN >= many and self._both * _TURNS <= few
+        return is_drawn and len(self._cells[0] & self._cells[1]) >= _FEWEST_ALIKE
+
+    def _begin(self) -> list[float]:
+        import numpy as np
+
+        both = self.form.values(), self._twin.form.values()
+        self._values = both[0].tolist(), both[1].tolist()
+        self.is_another = True
+        self._on_pair(self._twin.way.name(), np.concatenate(both))
+        found: list[float] = []
+        for cell, before in enumerate(self._values[0]):
+            add_difference(cell, before, self._mean(cell), found)
+        return found
+
+    def _of_mean(self, found: list[float], place: int) -> list[float]:
+        assert self._values is not None
+        values = self._values[place]
+        mean: list[float] = []
+        for at in range(0, len(found), _NUMBERS):
+            cell = int(found[at])
+            before = self._mean(cell)
+            values[cell] = found[at + 2]
+            add_difference(cell, before, self._mean(cell), mean)
+        if found:
+            offset = (1 + place) * len(values)
+            self._on_changes([x + offset * (at % _NUMBERS == 0) for at, x in enumerate(found)])
+        return mean
+
+    def _mean(self, cell: int) -> float:
+        assert self._values is not None
+        first, other = (values[cell] for values in self._values)
+        if first != first:
+            return other
+        return first if other != other else (first + other) / 2
+
+
+def _moved(found: Sequence[float]) -> set[float]:
+    """Return the cells of differences that change an entry, and do not only make it."""
+    cells = zip(found[::_NUMBERS], found[1::_NUMBERS], strict=True)
+    return {cell for cell, before in cells if before == before}
+
+
+def tracker_of(
+    found: Sequence[TableCandidate],
+    wanted: str | None,
+    on_pair: Callable[[str, Doubles], None],
+    on_changes: Callable[[list[float]], None],
+) -> TableTracker:
+    """Return the tracker of the first candidate, or of an equal one with a twin.
+
+    A table named by the user has no twin.
+    """
+    first = found[0]
+    if wanted is None or (isinstance(first.way, EntryWay) and wanted != first.way.name()):
+        likely = rank(first.way.names[-1], first.value)
+        for each in found:
+            twin = twin_of(each) if rank(each.way.names[-1], each.value) == likely else None
+            if twin is not None:
+                return PairTracker(each, twin, on_pair, on_changes)
+    return TableTracker(first, wanted)

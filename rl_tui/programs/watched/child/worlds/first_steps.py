@@ -1,4 +1,4 @@
-"""Facts from the first steps of a world and from the program's variables: steps, states and actions."""
+"""Steps, states and actions of a world, from its first steps."""
 
 from __future__ import annotations
 
@@ -19,13 +19,7 @@ from rl_tui.programs.watched.messages import StepFlag
 FEW_STEPS: Final = 100
 """Number of first steps after which the known states get numbers."""
 _COUNTS: Final = (
-    "n_actions",
-    "nA",
-    "num_actions",
-    "action_size",
-    "action_space_size",
-    "n_action",
-    "action_dim",
+    *("n_actions", "nA", "num_actions", "action_size", "action_space_size", "n_action", "action_dim"),
 )
 _LISTS: Final = ("actions", "action_space", "actionSpace", "possibleActions", "possible_actions", "ACTIONS")
 _LARGEST_KEPT: Final = 100_000
@@ -33,7 +27,7 @@ _LARGEST_KEPT: Final = 100_000
 
 
 class OwnStep(NamedTuple):
-    """The result of a step. `is_of_gymnasium` is True for five values, in which an end is not a limit."""
+    """The result of a step. An end of `is_of_gymnasium` is not a limit."""
 
     observation: Any
     reward: float
@@ -42,7 +36,7 @@ class OwnStep(NamedTuple):
 
 
 class HeldStep(NamedTuple):
-    """A step from the observation `before`, as step `place` of its episode."""
+    """A step from `before`, as step `place` of its episode."""
 
     before: Any
     action: Any
@@ -51,13 +45,13 @@ class HeldStep(NamedTuple):
 
 
 def step_of(result: Any) -> OwnStep | None:
-    """Return the step that `result` describes as (observation, reward, done, ...), or None."""
+    """Return the step in (observation, reward, done, ...), if any."""
     if type(result) not in (tuple, list) or not 3 <= len(result) <= 5:
         return None
     observation, reward, done, *more = result
     is_reward = type(reward) in (int, float) or issubclass(type(reward), np.number)
     is_flag = type(done) in (bool, np.bool_) or (type(done) is int and done in (0, 1))
-    if not (is_reward and is_flag) or observation is None:
+    if not (is_reward and is_flag) or observation is None or type(observation) in (bool, np.bool_):
         return None
     is_of_gymnasium = len(result) == 5 and type(more[0]) in (bool, np.bool_)
     is_truncated = bool(more[0]) if is_of_gymnasium else False
@@ -68,9 +62,7 @@ def step_of(result: Any) -> OwnStep | None:
 
 
 def function_step_of(result: Any, before: Key) -> OwnStep | None:
-    """Return the step from the state `before` that `result` describes as (next state, reward, ...), or
-    None. Only a flag after them says that it ends.
-    """
+    """Return the step in (next state, reward, ...), if any. Only a flag after them ends it."""
     if type(result) not in (tuple, list) or not 2 <= len(result) <= 4:
         return None
     after, reward, *more = result
@@ -93,6 +85,8 @@ def number_of_actions(cls: type, attributes: Mapping[str, Any]) -> int | None:
             return int(space.n)
         numbers = [scope.get(name) for name in _COUNTS]
         lists: list[Any] = [scope.get(name) for name in _LISTS]
+        action = scope.get("action")
+        lists += [action] if type(action) is list and all(type(each) is str for each in action) else []
         numbers += [len(each) for each in lists if type(each) in (list, tuple, dict, range)]
         for each in numbers:
             if type(each) is int and 2 <= each <= MOST_ACTIONS:
@@ -101,7 +95,7 @@ def number_of_actions(cls: type, attributes: Mapping[str, Any]) -> int | None:
 
 
 class TableSearch:
-    """Finds the table of a world that has no spaces."""
+    """Finds the table of a world without spaces."""
 
     def __init__(self) -> None:
         self._before: dict[int, tuple[Any, Any]] = {}
@@ -109,11 +103,10 @@ class TableSearch:
     def array(
         self, frame: FrameType, observation: Any, action: Any, actions: int | None, last: HeldStep | None
     ) -> Numbering | None:
-        """Return the numbering of an array with a cell for `observation` and `action`, or None. It is the
-        table because of its name, or because `last`, the step before, has changed its own cell.
+        """Return the numbering of an array with a cell for `observation` and `action`, or None.
 
-        Raises:
-            UnfitError: No table can have rows for such observations.
+        It is the table because of its name, or because `last`, the step before, has changed its own cell.
+        Raises UnfitError if no table can have such rows.
         """
         key, taken = state_key(observation), key_of(action)
         parts = (*(key if type(key) is tuple else (key,)), taken)
@@ -133,7 +126,7 @@ class TableSearch:
         return Numbering(tuple(states), (0,) * len(states), type(key) is tuple, width, 0)
 
     def width(self, frame: FrameType | None, observations: Sequence[Any]) -> int | None:
-        """Return the number of actions of a table with rows for `observations`, or None."""
+        """Return the number of actions of a table with rows for `observations`."""
         for way, value in ways(frame):
             if not NO_TABLE.search(way.names[-1]):
                 try:
@@ -151,7 +144,6 @@ class TableSearch:
         return bool(LIKE_Q.search(name)) or (is_real and bool(GOOD.search(name)))
 
     def _has_learned(self, value: Any, last: HeldStep | None) -> bool:
-        """Return True if an array has changed since the last call, only in the cell of `last`."""
         if np.size(value) > _LARGEST_KEPT:
             return False
         now = np.array(value, np.float64)
@@ -169,7 +161,6 @@ class TableSearch:
 
 
 def _arrays(frame: FrameType, dimensions: int) -> Iterator[tuple[Way, Any, tuple[int, ...]]]:
-    """Yield arrays and nested lists with `dimensions`, the last one for actions, and their sizes."""
     for way, value in ways(frame):
         if type(value) not in (np.ndarray, list) or NO_TABLE.search(way.names[-1]):
             continue

@@ -1,4 +1,4 @@
-"""Numbers of states and actions of any kind, given as the program meets them."""
+"""Numbers of states and actions, given as the program meets them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Key = int | float | str | tuple[Any, ...]
 
 
 class UnfitError(ValueError):
-    """A state or an action that cannot be numbered. The text is the reason."""
+    """A state or an action that cannot be numbered, with the reason."""
 
 
 def key_of(value: Any) -> Key:
-    """Return the value that equal observations share, in plain Python. Raises UnfitError if there is none."""
+    """Return what equal observations share. Raises UnfitError if there is nothing."""
     kind = type(value)
     if kind in (int, str):
         return value  # type: ignore[no-any-return]
@@ -31,19 +31,19 @@ def key_of(value: Any) -> Key:
         return int(value)
     if kind is float:
         return int(value) if value.is_integer() else value
-    if kind in (tuple, list):
-        return tuple([key_of(each) for each in value])
+    if kind in (tuple, list) or (issubclass(kind, tuple) and hasattr(kind, "_fields")):
+        return tuple([key_of(each) for each in (value if kind is list else tuple.__iter__(value))])
     if kind is np.ndarray:
         return key_of(value.tolist())
     if issubclass(kind, np.generic):
         return key_of(value.item())
     if issubclass(kind, Enum):
         return str(value)
-    raise UnfitError(f"an observation is of the type {kind.__name__}")
+    raise UnfitError(f"an observation has the type {kind.__name__}")
 
 
 def state_key(observation: Any) -> Key:
-    """Return the key of an observation. Raises UnfitError if it is not one of few."""
+    """Return the key of one of few observations. Raises UnfitError for others."""
     key = key_of(observation)
     parts = key if type(key) is tuple else (key,)
     if any(type(each) is float for each in parts):
@@ -54,7 +54,7 @@ def state_key(observation: Any) -> Key:
 
 
 class FixedStates:
-    """The states and actions of `numbering` as keys of a table."""
+    """States and actions of `numbering` as keys of a table."""
 
     def __init__(self, numbering: Numbering) -> None:
         self._numbering = numbering
@@ -62,25 +62,25 @@ class FixedStates:
         self.are_actions_places = numbering.first_action == 0
 
     def key(self, state: int) -> Any:
-        """Return the observation of a state."""
+        """Return a state's observation."""
         return self._numbering.key(state)
 
     def action_of_key(self, key: Any) -> int | None:
-        """Return the number of the action that `key` of a table stands for, or None."""
+        """Return the action of a table's `key`, or None."""
         try:
             return self._numbering.action(key)
         except (TypeError, ValueError):
             return None
 
     def action_key(self, number: int) -> int:
-        """Return the action with a number, as the program writes it."""
+        """Return the action as the program writes it."""
         return number + self._numbering.first_action
 
 
 class MetNumbering(Numbering):
-    """Numbers of the states in `observations`, and of later ones up to a limit. Actions are numbered from
-    0, and whole numbers below `actions` are their own numbers. Observations may have fractions if
-    `has_fractions`. `most` is the limit.
+    """Numbers of the states in `observations`, and of later ones up to `most`.
+
+    Whole numbers below `actions` are their own numbers. Observations may have fractions if `has_fractions`.
     """
 
     def __init__(
@@ -104,26 +104,26 @@ class MetNumbering(Numbering):
 
     @property
     def met(self) -> range:
-        """The numbers of all states met so far."""
+        """The states met so far."""
         return range(len(self._originals))
 
     @property
     def are_actions_places(self) -> bool:
-        """True if each action is its own number, so that it may be an index of a row."""
+        """True if actions may index a row."""
         return all(type(key) is int and key == number for key, number in self._action_numbers.items())
 
     def state(self, observation: Any) -> int:
-        """Return the number of an observation. Raises UnfitError if it has none and gets none."""
+        """Return an observation's number. Raises UnfitError if it gets none."""
         key = key_of(observation) if self._has_fractions else state_key(observation)
         found = self._numbers.get(key)
         if found is not None:
             return found
         if len(self._originals) >= self.states:
-            raise UnfitError(f"more than {self.states:,} states were met")
+            raise UnfitError(f"more than {self.states:,} states were seen")
         return self._add(key, observation)
 
     def action(self, action: Any) -> int:
-        """Return the number of an action. Raises UnfitError if there are more than expected."""
+        """Return an action's number. Raises UnfitError if there are too many."""
         key = key_of(action)
         if type(key) is tuple and len(key) == 1:
             (key,) = key
@@ -138,18 +138,18 @@ class MetNumbering(Numbering):
         return self._action_numbers[key]
 
     def action_of_key(self, key: Any) -> int | None:
-        """Return the number of the action that `key` of a table stands for, or None."""
+        """Return the action of a table's `key`, or None."""
         try:
             return self.action(key)
         except UnfitError:
             return None
 
     def action_key(self, number: int) -> Any:
-        """Return the action with a number, as the program writes it."""
+        """Return the action as the program writes it."""
         return self._actions.get(number, number)
 
     def key(self, state: int) -> Any:
-        """Return the observation of a state, or None if it was not met."""
+        """Return a state's observation, if it was met."""
         return self._originals[state] if state < len(self._originals) else None
 
     def place(self, state: int) -> tuple[int, ...]:
@@ -163,5 +163,4 @@ class MetNumbering(Numbering):
 
 
 def _has_order(key: Key) -> bool:
-    """Return True for whole numbers, and for tuples of them."""
     return type(key) is int or (type(key) is tuple and all(type(each) is int for each in key))

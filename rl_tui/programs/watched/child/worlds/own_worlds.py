@@ -1,25 +1,29 @@
-"""Classes of the program's own with reset and step, whose steps are reported."""
+"""The program's own classes with reset and step."""
 
 from __future__ import annotations
 
 import builtins
+import dis
 import sys
 import time
 import weakref
 from collections.abc import Callable
 from functools import wraps
-from types import FunctionType
+from itertools import pairwise
+from types import CodeType, FunctionType
 from typing import Any, Final
 
 import gymnasium
 import numpy as np
 
+from rl_tui.programs.watched.child.boxes.sites import ACTION_NAME
 from rl_tui.programs.watched.child.environments.direct_envs import Given
 from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.environments.watched_env import is_with_information
 from rl_tui.programs.watched.child.errors import is_users_file
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.child.tables.search import attributes
+from rl_tui.programs.watched.child.tables.search import attributes, candidates
 from rl_tui.programs.watched.child.worlds.first_steps import (
     FEW_STEPS,
     HeldStep,
@@ -37,17 +41,12 @@ _STEP: Final = (
 )
 """Names of methods that take a step."""
 _RESET: Final = (
-    "reset",
-    "reset_game",
-    "reset_env",
-    "restart",
-    "start",
-    "new_game",
-    "new_episode",
-    "start_episode",
+    *("reset", "reset_game", "reset_env", "restart", "start", "new_game", "new_episode", "start_episode"),
 )
+_VALUES: Final = range(3, 6)
+"""Numbers of values that a step may return."""
 _UNKNOWN: Final = object()
-_NO_SLEEP: Final = "time.sleep() returns at once: the speed is set on screen"
+_NO_SLEEP: Final = "time.sleep() returns at once: you set the speed on screen"
 
 
 class _Kind:
@@ -62,11 +61,11 @@ class _Kind:
         self.search = TableSearch()
         self.is_over = False
         """True if no further step is reported."""
+        self.is_guess = False
+        """True if its method only looks like a step."""
 
 
 class _World:
-    """One world: the last observation, and its place in the episode."""
-
     def __init__(self, it: object) -> None:
         self.it = weakref.ref(it)
         self.observation: Any = _UNKNOWN
@@ -75,7 +74,7 @@ class _World:
 
 
 class FunctionWorld:
-    """A function that takes a step from the state it is given."""
+    """A function that takes a step from a given state."""
 
     def __init__(self, function: FunctionType) -> None:
         self.kind = _Kind(FunctionType)
@@ -86,18 +85,21 @@ class FunctionWorld:
 
 
 class OwnWorlds:
-    """Watches the worlds of a program's own classes. `note` receives messages."""
+    """Watches the worlds of a program's own classes."""
 
     def __init__(self, recorder: Recorder, making: Making, note: Callable[[str], None]) -> None:
         self._recorder, self._making, self._note = recorder, making, note
         self._kinds: dict[type, _Kind] = {}
         self._worlds: dict[int, _World] = {}
         self._functions: set[_Kind] = set()
+        self._guessed: set[type] = set()
         self._held = 0
         self._are_ends_told = self._is_awake = False
+        self.may_take_over: Callable[[Any], bool] = lambda _: False
+        """Lets the assignments to a table at a frame report instead, if they can."""
 
     def install(self) -> None:
-        """Watch the classes that the program's own files define from now on."""
+        """Watch classes of the program's own files."""
         build = builtins.__build_class__
 
         def building(function: Any, name: str, *bases: Any, **more: Any) -> Any:
@@ -111,7 +113,7 @@ class OwnWorlds:
         self._making.direct.without_spaces = self
 
     def step(self, it: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
-        """Take a step of the world `it` for the program at `frame`."""
+        """Take a step of `it` for `frame`."""
         arguments, more = given
         kind, world = self._known(it)
         is_silent = world is None or world.is_inside or self._making.is_inside
@@ -132,7 +134,7 @@ class OwnWorlds:
         return result
 
     def reset(self, it: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
-        """Begin an episode of the world `it` for the program at `frame`."""
+        """Begin an episode of `it` for `frame`."""
         kind, world = self._known(it)
         if world is None or world.is_inside or self._making.is_inside or kind.is_over:
             return begin(it, *given[0], **given[1])
@@ -144,14 +146,13 @@ class OwnWorlds:
             kind.is_over = True
             return result
         self._recorder.resets += 1
-        is_with_info = type(result) is tuple and len(result) == 2 and type(result[1]) is dict
-        observation = result[0] if is_with_info else result
+        observation = result[0] if is_with_information(result) else result
         world.observation = _UNKNOWN if observation is None else _copied(observation)
         world.was_reset, world.place = True, 0
         return result
 
     def may_report(self, world: FunctionWorld) -> bool:
-        """Return True if the next call of a function may be a step of the program."""
+        """Return True if the next call may be a step."""
         return not (world.kind.is_over or world.world.is_inside or self._making.is_inside)
 
     def step_from(
@@ -165,13 +166,8 @@ class OwnWorlds:
     ) -> Any:
         """Take a step with a function.
 
-        Args:
-            function: The function.
-            key: Key of the state that it is given. Another one than the last next state begins an episode.
-            given: State and action.
-            frame: Frame of the caller.
-            take: Calls the function.
-            read: Returns the step that its result describes, or None.
+        `key` of another state than the last next one begins an episode. `given` has state and action, `take`
+        calls the function, and `read` returns the step in its result, or None.
         """
         kind, world = function.kind, function.world
         self._functions.add(kind)
@@ -193,10 +189,14 @@ class OwnWorlds:
         return result
 
     def finish(self) -> None:
-        """Report the first steps of a program that ended before they were numbered."""
+        """Report first steps that were never numbered."""
         for kind in (*self._kinds.values(), *self._functions):
             if kind.held and not kind.is_over:
                 self._number_by_meeting(kind, None)
+
+    def has_steps(self) -> bool:
+        """Return True if steps are held."""
+        return self._held > 0
 
     @property
     def _seen(self) -> int:
@@ -207,6 +207,7 @@ class OwnWorlds:
         kind = self._kinds.get(cls)
         if kind is None:
             kind = self._kinds[cls] = _Kind(cls)
+            kind.is_guess = any(each in self._guessed for each in cls.__mro__)
         world = self._worlds.get(id(it))
         if world is None or world.it() is not it:
             try:
@@ -277,7 +278,6 @@ class OwnWorlds:
         self._recorder.after(told, numbering)
 
     def _number(self, kind: _Kind, world: _World, action: Any, frame: Any) -> None:
-        """Give numbers to states and actions, if the table shows them, or after enough steps."""
         if kind.numbering is not None or kind.is_over:
             return
         if kind.actions is None:
@@ -299,10 +299,15 @@ class OwnWorlds:
         observations = [each for held in steps for each in (held.before, held.step.observation)]
         taken = len({key_of(held.action) for held in steps})
         actions = kind.search.width(frame, observations) or kind.actions or max(2, taken)
-        self._begin(kind, MetNumbering(observations, max(actions, taken)))
+        numbering = MetNumbering(observations, max(actions, taken))
+        for held in steps:
+            numbering.action(held.action)
+        if not candidates(frame, numbering, None) and self.may_take_over(frame):
+            self._drop(kind)
+        else:
+            self._begin(kind, numbering)
 
     def _begin(self, kind: _Kind, numbering: Numbering) -> None:
-        """Report the world, and the steps held until now."""
         kind.numbering = numbering
         kind.number = self._making.announce_own(kind.name, numbering)
         held, kind.held = kind.held, []
@@ -313,7 +318,6 @@ class OwnWorlds:
             self._making.tell_names(kind.number, numbering)
 
     def _stay_awake(self) -> None:
-        """Let the program's pauses between steps return at once."""
         self._is_awake, sleep = True, time.sleep
 
         def no_sleep(seconds: float) -> None:
@@ -325,26 +329,30 @@ class OwnWorlds:
         time.sleep = no_sleep  # type: ignore[assignment]
 
     def _drop(self, kind: _Kind) -> None:
-        """Report no further step of `kind`."""
         kind.is_over = True
         self._held -= len(kind.held)
         kind.held = []
 
     def _give_up(self, kind: _Kind, why: str) -> None:
         self._drop(kind)
-        more = "" if kind.numbering is None else " any more"
-        self._note(f"{kind.name} is not watched{more}: {why}")
+        if kind.is_guess and kind.numbering is None:
+            return
+        more = "not watched" if kind.numbering is None else "no longer watched"
+        self._note(f"{kind.name} is {more}: {why}")
 
     def _watch(self, cls: type) -> None:
-        """Put hooks around the methods of `cls` that look like reset and step."""
-        worlds, own = self, vars(cls)
-        for name in _STEP:
-            if type(own.get(name)) is FunctionType and _takes_an_action(own[name]):
-                setattr(cls, name, _hooked(own[name], worlds.step))
-                break
-        for name in _RESET:
-            if type(own.get(name)) is FunctionType:
-                setattr(cls, name, _hooked(own[name], worlds.reset))
+        own = {name: each for name, each in vars(cls).items() if type(each) is FunctionType}
+        resets = [name for name in _RESET if name in own]
+        able = [name for name in own if _takes_an_action(own[name])]
+        steps: list[str] = [name for name in _STEP if name in able]
+        if resets and not steps:
+            steps = [name for name in able if _looks_like_a_step(own[name])]
+            steps = steps if len(steps) == 1 else []
+            self._guessed.update([cls] * len(steps))
+        for name in steps[:1]:
+            setattr(cls, name, _hooked(own[name], self.step))
+        for begin in resets:
+            setattr(cls, begin, _hooked(own[begin], self.reset))
 
 
 def _hooked(original: Any, report: Callable[..., Any]) -> Any:
@@ -356,11 +364,40 @@ def _hooked(original: Any, report: Callable[..., Any]) -> Any:
 
 
 def _takes_an_action(function: FunctionType) -> bool:
-    """Return True if a method must be given exactly one argument."""
     code, optional = function.__code__, len(function.__defaults__ or ())
     required = code.co_argcount - 1 - optional
     has_required_names = code.co_kwonlyargcount > len(function.__kwdefaults__ or ())
     return not has_required_names and (required == 1 or (required == 0 and optional > 0))
+
+
+def _looks_like_a_step(function: FunctionType) -> bool:
+    """Return True if a method has an action by its name, returns 3 to 5 values and changes the object."""
+    code = function.__code__
+    if code.co_argcount < 2 or not ACTION_NAME.search(code.co_varnames[1]):
+        return False
+    returns = any(
+        one.opname == "BUILD_TUPLE" and one.arg in _VALUES and after.opname == "RETURN_VALUE"
+        for one, after in pairwise(dis.get_instructions(code))
+    )
+    return returns and _changes_its_object(code)
+
+
+def _changes_its_object(code: CodeType) -> bool:
+    """Return True if a method assigns to an attribute of its first parameter, or to an entry of one."""
+    begins: set[tuple[int | None, int | None]] = set()
+    assigned: set[tuple[int | None, int | None]] = set()
+    for one, after in pairwise(dis.get_instructions(code)):
+        loaded = one.argval if type(one.argval) is tuple else (one.argval,)
+        if one.opname.startswith("LOAD_") and code.co_varnames[0] in loaded:
+            begins.add(_begin_of(one if loaded[0] == code.co_varnames[0] else after))
+        if after.opname in ("STORE_ATTR", "STORE_SUBSCR"):
+            assigned.add(_begin_of(after))
+    return not begins.isdisjoint(assigned - {(None, None)})
+
+
+def _begin_of(instruction: dis.Instruction) -> tuple[int | None, int | None]:
+    places = instruction.positions
+    return (None, None) if places is None else (places.lineno, places.col_offset)
 
 
 def _copied(observation: Any) -> Any:

@@ -1,6 +1,4 @@
-"""A tkinter without a screen. A canvas keeps the places of its items, because some worlds read their state
-from them.
-"""
+"""A tkinter without a screen. Some worlds read their state from a canvas, so that keeps places."""
 
 from __future__ import annotations
 
@@ -21,25 +19,9 @@ _WIDGETS: Final = (
     *("Listbox", "OptionMenu"),
 )
 _CONSTANTS: Final = (
-    *(
-        "LEFT",
-        "RIGHT",
-        "TOP",
-        "BOTTOM",
-        "BOTH",
-        "X",
-        "Y",
-        "N",
-        "S",
-        "E",
-        "W",
-        "NW",
-        "NE",
-        "SW",
-        "SE",
-        "CENTER",
-    ),
-    *("END", "HORIZONTAL", "VERTICAL", "NORMAL", "DISABLED", "FLAT", "RAISED", "SUNKEN", "ALL", "YES", "NO"),
+    *("LEFT", "RIGHT", "TOP", "BOTTOM", "BOTH", "X", "Y", "N", "S", "E", "W", "NW", "NE", "SW", "SE", "END"),
+    *("CENTER", "HORIZONTAL", "VERTICAL", "NORMAL", "DISABLED", "FLAT", "RAISED", "SUNKEN", "ALL", "YES"),
+    "NO",
 )
 
 
@@ -60,17 +42,17 @@ class Tk(Widget):
         self._waiting: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
 
     def after(self, _: int, function: Callable[..., Any] | None = None, *arguments: Any) -> str:
-        """Let `function` be called by `mainloop`."""
+        """Leave `function` to `mainloop`."""
         if function is not None:
             self._waiting.append((function, arguments))
         return "after#0"
 
     def after_idle(self, function: Callable[..., Any], *arguments: Any) -> str:
-        """Let `function` be called by `mainloop`."""
+        """Leave `function` to `mainloop`."""
         return self.after(0, function, *arguments)
 
     def mainloop(self, *_: Any) -> None:
-        """Call all waiting functions in order, and those that they add."""
+        """Call all waiting functions, and those that they add."""
         while self._waiting:
             function, arguments = self._waiting.pop(0)
             function(*arguments)
@@ -98,19 +80,19 @@ class PlacingCanvas(Tk):
     create_polygon = create_arc = create_window = create_item
 
     def coords(self, item: int, *numbers: Any) -> list[float]:
-        """Return the place of an item, and change it first if `numbers` are given."""
+        """Return an item's place, perhaps changed first."""
         if numbers:
             self._items[item] = list(_flat(numbers))
         return list(self._items.get(item, []))
 
     def bbox(self, item: int) -> list[float]:
-        """Return the place of an item."""
+        """Return an item's place."""
         return self.coords(item)
 
     def move(self, item: int, right: float, down: float) -> None:
         """Move an item."""
         place = self._items.get(item, [])
-        self._items[item] = [each + (down if odd % 2 else right) for odd, each in enumerate(place)]
+        self._items[item] = [each + float(down if odd % 2 else right) for odd, each in enumerate(place)]
 
     def delete(self, *items: Any) -> None:
         """Remove items."""
@@ -134,7 +116,6 @@ def _flat(numbers: Any) -> Iterator[float]:
 
 
 def _content() -> dict[str, Any]:
-    """Return the names of the module."""
     names: dict[str, Any] = {"Tk": Tk, "Canvas": PlacingCanvas, "Widget": Widget, "Misc": Widget}
     names |= {"TclError": RuntimeError, "TkVersion": 8.6}
     names |= {name: type(name, (Widget,), {}) for name in _WIDGETS}
@@ -143,29 +124,24 @@ def _content() -> dict[str, Any]:
 
 
 def offer_windows(note: Note) -> None:
-    """Answer imports of tkinter. `note` receives a message at the first one."""
+    """Answer imports of tkinter, and `note` the first."""
     sys.meta_path.insert(0, _Windows(note))
 
 
 class _Windows:
-    """Finds tkinter, whose windows a watched program may not open."""
-
     def __init__(self, note: Note) -> None:
         self._note = note
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return a spec for tkinter and its modules."""
         if fullname.partition(".")[0] not in _TKINTER:
             return None
         return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Return an empty module."""
         return ModuleType(spec.name)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill `module` with widgets that do nothing."""
         self._note(_NO_WINDOWS)
         module.__dict__.update(_content(), __path__=[])

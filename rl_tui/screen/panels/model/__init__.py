@@ -1,1 +1,0 @@
-"""The model of a world: the possible outcomes of each action."""
