@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.programs.watched.child.boxes.sites import Index, IndexSite, Sites
 from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
-from rl_tui.programs.watched.child.tables.keyed_table import keyed_form, sizes_of
+from rl_tui.programs.watched.child.tables.keyed_table import form_of, sizes_of
 from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError
 
 _ENOUGH: Final = 20
@@ -161,7 +161,7 @@ class IndexedTable:
         return seen.reads[max(sure, key=lambda place: votes[place])] if sure else None
 
     def _number_in_order(self, table: Any, parts: int) -> None:
-        sizes = table.shape if type(table) is np.ndarray else sizes_of(table)
+        sizes = sizes_of(table)
         count = prod(sizes[:-1])
         if len(sizes) == parts and sizes[-1] == self.numbering.actions and count <= _MOST_IN_ORDER:
             places = np.ndindex(*sizes[:-1])
@@ -171,7 +171,7 @@ class IndexedTable:
     def _take(self, table: Any) -> bool:
         """Return False if `table` has no numbers for the states met so far."""
         if self.form is None:
-            self.form = keyed_form(table, self.numbering)
+            self.form = form_of(table, self.numbering)
             if self.form is not None:
                 self.form.take(table)
                 self.initial = self.form.values()

@@ -86,7 +86,7 @@ class Making:
             MessageKind.NAMES,
             number=number,
             state_names=[str(numbering.key(each)) for each in numbering.met],
-            action_names=[str(numbering.action_key(each)) for each in range(numbering.actions)],
+            action_names=[str(each) for each in numbering.action_keys],
         )
 
     def make(self, *arguments: Any, **more: Any) -> Any:

@@ -10,8 +10,6 @@ from typing import Any
 
 import gymnasium
 
-Key = int | tuple[int, ...]
-
 
 @dataclass(unsafe_hash=True)
 class Numbering:
@@ -24,6 +22,20 @@ class Numbering:
     is_tuple: bool
     actions: int
     first_action: int
+
+    def __post_init__(self) -> None:
+        self.action_keys: list[Any] = list(range(self.first_action, self.first_action + self.actions))
+        """The actions as the program writes them."""
+
+    @property
+    def met(self) -> range:
+        """The known states."""
+        return range(self.states)
+
+    @property
+    def are_actions_places(self) -> bool:
+        """True if a row has the actions in their order."""
+        return True
 
     @property
     def states(self) -> int:
@@ -62,7 +74,14 @@ class Numbering:
             return number
         raise ValueError("the action is outside its space")
 
-    def place(self, state: int) -> tuple[int, ...]:
+    def action_of_key(self, key: Any) -> int | None:
+        """Return the action of a table's `key`, or None."""
+        try:
+            return self.action(key)
+        except (TypeError, ValueError):
+            return None
+
+    def place(self, state: int) -> tuple[Any, ...]:
         """Return a state's index in an array."""
         place = []
         for size in reversed(self.parts):
@@ -70,7 +89,7 @@ class Numbering:
             place.append(part)
         return tuple(reversed(place))
 
-    def key(self, state: int) -> Key:
+    def key(self, state: int) -> Any:
         """Return a state's observation as a dict's key."""
         if not self.is_tuple:
             return state + self.first[0]

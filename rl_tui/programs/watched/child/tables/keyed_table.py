@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
-from itertools import islice
+from functools import cache
+from itertools import chain, compress, islice, repeat
+from operator import ne
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -13,19 +15,14 @@ from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.tables.forms import (
     MOST_CELLS,
     NAN,
+    ArrayTable,
     add_difference,
+    is_entry,
     is_number,
     number_of,
-    state_of,
 )
 from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
-from rl_tui.programs.watched.child.worlds.met import (
-    MOST_ACTIONS,
-    FixedStates,
-    MetNumbering,
-    UnfitError,
-    key_of,
-)
+from rl_tui.programs.watched.child.worlds.met import MOST_ACTIONS, MetNumbering, key_of, parts_of
 
 _MOST_EXAMPLES: Final = 8
 
@@ -59,72 +56,77 @@ class KnownShape(NamedTuple):
     actions: int
 
 
-_BY_PLACE: Final = (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.ROWS)
+_BY_PLACE: Final = (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.PLACED_DICTS)
+"""Shapes in which the parts of a state are places."""
+_ROWS: Final = (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.ROWS)
 """Shapes in which an action is a place of a row."""
 
 
-def shape_of(value: Any, examples: Sequence[Any]) -> KnownShape | None:
-    """Return the shape of a table with a row for some states `examples`."""
+def shape_of(value: Any, examples: Sequence[Any], fixed: Numbering | None = None) -> KnownShape | None:
+    """Return the shape of a table with a row for some states `examples`. Its actions may be `fixed`."""
     plain = [key_of(each) for each in examples]
     if type(value) is np.ndarray and value.dtype != object:
-        return _shape_of_array(value, plain)
-    if type(value) in (list, np.ndarray):
-        return _shape_of_lists(value, plain)
-    if _is_frame(value):
-        return _shape_of_frame(value, examples, plain)
-    return _shape_of_dict(value, examples, plain) if issubclass(type(value), dict) else None
+        found = _shape_of_array(value, plain)
+    elif type(value) in (list, np.ndarray):
+        found = _shape_of_lists(value, plain)
+    elif _is_frame(value):
+        found = _shape_of_frame(value, examples, plain)
+    else:
+        found = _shape_of_dict(value, examples, plain, fixed) if issubclass(type(value), dict) else None
+    least, most = (2, MOST_ACTIONS) if fixed is None else (1, fixed.actions)
+    return found if found is not None and least <= found.actions <= most else None
 
 
-def keyed_form(value: Any, numbering: Numbering) -> HeldTable | None:
+def form_of(value: Any, numbering: Numbering) -> HeldTable | None:
     """Return `value` as a table for `numbering`, or None."""
     is_met = isinstance(numbering, MetNumbering)
-    states = numbering if isinstance(numbering, MetNumbering) else FixedStates(numbering)
+    if not (is_met or 0 < numbering.states * numbering.actions <= MOST_CELLS):
+        return None
+    if type(value) is np.ndarray and value.dtype != object and not is_met:
+        is_fit = value.shape == (*numbering.parts, numbering.actions) and value.dtype.kind in "fiu"
+        return ArrayTable(numbering) if is_fit else None
     try:
-        examples = [states.key(each) for each in states.met[-_MOST_EXAMPLES:]]
-        if not is_met and issubclass(type(value), dict):
-            examples = list(_states_in(value, numbering))
-        found = shape_of(value, examples)
+        found = shape_of(value, _examples(value, numbering), None if is_met else numbering)
     except (LookupError, TypeError, ValueError, AttributeError):
         return None
     if found is None or found.actions > numbering.actions:
         return None
-    if found.shape in _BY_PLACE and not (states.are_actions_places and found.actions == numbering.actions):
+    if found.shape in _ROWS and not (numbering.are_actions_places and found.actions == numbering.actions):
         return None
-    if not is_met and found.shape in (
-        KeyShape.ARRAY,
-        KeyShape.PLACED_DICTS,
-    ):  # a larger array may be anything
+    if found.shape in _BY_PLACE and not is_met and sizes_of(value)[:-1] != numbering.parts:
+        return None  # a larger one may be anything
+    return KeyedTable(numbering, found.shape, found.has_texts)
+
+
+def _examples(value: Any, numbering: Numbering) -> list[Any]:
+    some = numbering.met[-_MOST_EXAMPLES:]
+    if type(value) in (list, np.ndarray):
+        return [numbering.place(each) for each in some]
+    if isinstance(numbering, MetNumbering) or not issubclass(type(value), dict):
+        return [numbering.key(each) for each in some]
+    keys = islice(dict.keys(value), _MOST_EXAMPLES)
+    inner = ((key, *((key[0], key[:-1]) if type(key) is tuple and key else ())) for key in keys)
+    return [each for some in inner for each in some if _state_of(numbering, each) is not None]
+
+
+def _state_of(numbering: Numbering, key: Any) -> int | None:
+    try:
+        return numbering.state(key_of(key))
+    except (TypeError, ValueError):
         return None
-    if not is_met and found.shape is KeyShape.LISTS and sizes_of(value)[:-1] != numbering.parts:
-        return None
-    return KeyedTable(numbering, states, found.shape, found.has_texts)
 
 
-def _states_in(table: dict[Any, Any], numbering: Numbering) -> Iterator[Any]:
-    for key in islice(dict.keys(table), _MOST_EXAMPLES):
-        inner = (key[0], key[:-1]) if type(key) is tuple and key else ()
-        for each in (key, *inner):
-            if state_of(numbering, each) is not None:
-                yield each
-
-
-def sizes_of(lists: Any) -> tuple[int, ...]:
-    """Return the lengths of nested lists, by depth."""
-    return (len(lists), *sizes_of(lists[0])) if type(lists) is list and lists else ()
-
-
-def _parts(key: Any) -> tuple[Any, ...]:
-    return key if type(key) is tuple else (key,)
-
-
-def _is_width(number: int) -> bool:
-    return 2 <= number <= MOST_ACTIONS
+def sizes_of(table: Any) -> tuple[int, ...]:
+    """Return the lengths of an array or of nested lists, by depth."""
+    if type(table) is np.ndarray:
+        return tuple(table.shape)
+    return (len(table), *sizes_of(table[0])) if type(table) is list and table else ()
 
 
 def _shape_of_array(value: Any, plain: Sequence[Any]) -> KnownShape | None:
-    if value.dtype.kind not in "fiu" or value.ndim < 2 or not _is_width(value.shape[-1]):
+    if value.dtype.kind not in "fiu" or value.ndim < 2:
         return None
-    for parts in map(_parts, plain):
+    for parts in map(parts_of, plain):
         is_index = len(parts) == value.ndim - 1 and all(type(each) is int for each in parts)
         if not (is_index and all(0 <= each < size for each, size in zip(parts, value.shape, strict=False))):
             return None
@@ -135,14 +137,14 @@ def _shape_of_lists(value: Any, plain: Sequence[Any]) -> KnownShape | None:
     shapes = set()
     for key in plain:
         row = value
-        for part in _parts(key):
+        for part in parts_of(key):
             if type(row) not in (list, np.ndarray) or type(part) is not int or not 0 <= part < len(row):
                 return None
             row = row[part]
         if _is_dict_row(row):
             shapes.add((KeyShape.PLACED_DICTS, dict.__len__(row)))
-        elif _is_row(row) and type(value) is list:
-            shapes.add((KeyShape.LISTS, len(row)))
+        elif _is_row(row):
+            shapes.add((KeyShape.LISTS if type(value) is list else KeyShape.ARRAY, len(row)))
         else:
             return None
     if len(shapes) != 1:
@@ -152,11 +154,11 @@ def _shape_of_lists(value: Any, plain: Sequence[Any]) -> KnownShape | None:
 
 
 def _is_row(row: Any) -> bool:
-    return type(row) in (list, np.ndarray) and _is_width(len(row)) and all(map(is_number, row))
+    return type(row) in (list, tuple, np.ndarray) and len(row) > 0 and all(map(is_entry, row))
 
 
 def _is_dict_row(row: Any) -> bool:
-    is_dict = issubclass(type(row), dict) and _is_width(dict.__len__(row))
+    is_dict = issubclass(type(row), dict) and dict.__len__(row) > 1
     return is_dict and all(map(is_number, dict.values(row)))
 
 
@@ -166,7 +168,7 @@ def _is_frame(value: Any) -> bool:
 
 
 def _shape_of_frame(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -> KnownShape | None:
-    if not _is_width(value.shape[1]) or value.shape[0] * value.shape[1] > MOST_CELLS:
+    if value.shape[0] * value.shape[1] > MOST_CELLS:
         return None
     index = set(value.index.tolist())
     if any(str(each) in index for each in examples):
@@ -175,7 +177,9 @@ def _shape_of_frame(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -
     return KnownShape(KeyShape.FRAME, False, value.shape[1]) if is_there else None
 
 
-def _shape_of_dict(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -> KnownShape | None:
+def _shape_of_dict(
+    value: Any, examples: Sequence[Any], plain: Sequence[Any], fixed: Numbering | None
+) -> KnownShape | None:
     if not 0 < dict.__len__(value) <= MOST_CELLS:
         return None
     for original, key in zip(examples, plain, strict=True):
@@ -183,23 +187,25 @@ def _shape_of_dict(value: Any, examples: Sequence[Any], plain: Sequence[Any]) ->
             row: Any = dict.get(value, each)
             if _is_dict_row(row):
                 return KnownShape(KeyShape.DICTS, has_texts, dict.__len__(row))
-            if row is not None and _is_row(row):
+            if _is_row(row):
                 return KnownShape(KeyShape.ROWS, has_texts, len(row))
-    return _shape_of_pairs(value, examples, plain)
+    return _shape_of_pairs(value, examples, plain, fixed)
 
 
-def _shape_of_pairs(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -> KnownShape | None:
+def _shape_of_pairs(
+    value: Any, examples: Sequence[Any], plain: Sequence[Any], fixed: Numbering | None
+) -> KnownShape | None:
     first, number = next(iter(dict.items(value)))
     if type(first) is not tuple or not first or not is_number(number):
         return None
     actions = {key[-1] for key in dict.keys(value) if type(key) is tuple and key}
-    if not _is_width(len(actions)):
-        return None
+    if fixed is not None:
+        actions = {each for each in actions if fixed.action_of_key(each) is not None}
     for original, key in zip(examples, plain, strict=True):
         for shape, has_texts, start in (
             (KeyShape.PAIRS, False, (key,)),
             (KeyShape.PAIRS, True, (str(original),)),
-            (KeyShape.FLAT, False, _parts(key)),
+            (KeyShape.FLAT, False, parts_of(key)),
         ):
             if any(dict.__contains__(value, (*start, action)) for action in actions):
                 return KnownShape(shape, has_texts, len(actions))
@@ -209,106 +215,154 @@ def _shape_of_pairs(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -
 class KeyedTable(HeldTable):
     """A table of `shape`, read by its states, or by their texts. Reading adds nothing to it."""
 
-    def __init__(
-        self, numbering: Numbering, states: MetNumbering | FixedStates, shape: KeyShape, has_texts: bool
-    ) -> None:
+    def __init__(self, numbering: Numbering, shape: KeyShape, has_texts: bool) -> None:
         super().__init__(numbering)
-        self.name, self._states = shape.value, states
-        self._shape, self._has_texts = shape, has_texts
-        self.is_compared_whole = False
+        self.name, self._shape, self._has_texts = shape.value, shape, has_texts
+        self._is_met = isinstance(numbering, MetNumbering)
+        self._has_rows, self._is_by_place = shape in _ROWS, shape in _BY_PLACE
+        self._has_parts = shape in (KeyShape.PAIRS, KeyShape.FLAT)
+        self.is_compared_whole = self.is_compared_whole and not self._is_met
+        self._key = cache(numbering.place if self._is_by_place else self._key_of)
+        self._states_by_key: dict[Any, int | None] = {}
 
     def take(self, table: Any) -> None:
         """Store the table."""
-        self._kept: dict[int, tuple[float, ...]] = {}
+        self._numbers: dict[int, tuple[float, ...]] = {}
+        self._kept: dict[int, object] = {}
         self._length = -1
+        self._read: Any = None  # its entries were compared last, which belong to states
+        self._entries: list[object] = []
+        self._states: Sequence[int | None] = ()
         self.all_differences(table)
 
     def values(self) -> Doubles:
         """Return the stored table."""
         found = np.full(self.cells, NAN)
-        for state, row in self._kept.items():
+        for state, row in self._numbers.items():
             found[state * self.actions : (state + 1) * self.actions] = row
         return found
 
     def row(self, state: int) -> Sequence[float]:
         """Return a stored row."""
-        return self._kept.get(state, (NAN,) * self.actions)
+        return self._numbers.get(state, (NAN,) * self.actions)
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Compare these rows. Raises ValueError if an action is a name, but rows have places."""
-        if self._shape in _BY_PLACE and not self._states.are_actions_places:
+        if self._is_met and self._has_rows and not self.numbering.are_actions_places:
             raise ValueError("the actions are not numbered from 0")
-        if self._count(table) != self._length:
+        if self.is_compared_whole or self._count(table) != self._length:
             return self.all_differences(table)
         found: list[float] = []
-        for state in set(states):
-            self._compare(state, self._row(table, state), found)
+        for state in states:
+            self._compare(table, state, found)
         return found
 
     def all_differences(self, table: Any) -> list[float]:
         """Compare everything."""
         self._length = self._count(table)
         if self._shape is KeyShape.FRAME:
-            self._read_frame(table)
+            self._places = {key: place for place, key in enumerate(table.index.tolist())}
+            self._columns = [self.numbering.action_of_key(each) for each in table.columns.tolist()]
         found: list[float] = []
-        for state in self._states.met:
-            self._compare(state, self._row(table, state), found)
+        for state in self._changed_states(table):
+            self._compare(table, state, found)
         return found
 
     def peek(self, table: Any, state: int) -> object:
         """Return the current row, or None."""
-        return self._row(table, state)
-
-    def _count(self, table: Any) -> int:
-        if self._shape in (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.PLACED_DICTS):
-            return len(self._states.met)
-        return len(table.index) if self._shape is KeyShape.FRAME else dict.__len__(table)
-
-    def _compare(self, state: int, row: tuple[float, ...] | None, found: list[float]) -> None:
-        before = self._kept.get(state)
-        if row is None or row == before or len(row) != self.actions:
-            return
-        self._kept[state] = row
-        for action, after in enumerate(row):
-            add_difference(state * self.actions + action, before[action] if before else NAN, after, found)
-
-    def _read_frame(self, table: Any) -> None:
-        self._places = {key: place for place, key in enumerate(table.index.tolist())}
-        self._columns = [self._states.action_of_key(each) for each in table.columns.tolist()]
-
-    def _row(self, table: Any, state: int) -> tuple[float, ...] | None:
-        original = self._states.key(state)
         try:
-            key = str(original) if self._has_texts else key_of(original)
-            return self._row_of(table, key)
-        except (LookupError, TypeError, ValueError, UnfitError):
+            return _copied(_comparable(self._row(table, state)))
+        except (LookupError, TypeError, ValueError):
             return None
 
-    def _row_of(self, table: Any, key: Any) -> tuple[float, ...] | None:
-        match self._shape:
-            case KeyShape.ARRAY | KeyShape.LISTS | KeyShape.PLACED_DICTS:
-                row = table
-                for part in _parts(key):
-                    row = row[part]
-                is_dict = self._shape is KeyShape.PLACED_DICTS
-                return self._by_action(row, ()) if is_dict else _numbers(row)
-            case KeyShape.FRAME:
-                found = [NAN] * self.actions
-                numbers = table.to_numpy()[self._places[key]]
-                for action, value in zip(self._columns, numbers, strict=True):
-                    if action is not None:
-                        found[action] = float(value)
-                return tuple(found)
-            case KeyShape.ROWS:
-                return _numbers(dict.__getitem__(table, key))
-            case KeyShape.DICTS:
-                return self._by_action(dict.__getitem__(table, key), ())
-        return self._by_action(table, (key,) if self._shape is KeyShape.PAIRS else _parts(key))
+    def rows_are_shared(self, table: Any) -> bool:
+        """Return True if rows are the same object."""
+        if self._shape not in (KeyShape.LISTS, KeyShape.ROWS):
+            return False
+        rows = list(map(id, table if type(table) is list else dict.values(table)))
+        return len(set(rows)) < len(rows)
 
-    def _by_action(self, table: Any, start: tuple[Any, ...]) -> tuple[float, ...] | None:
-        keys = [self._states.action_key(each) for each in range(self.actions)]
-        found = [dict.get(table, (*start, key) if start else key) for key in keys]
-        return None if all(each is None for each in found) else tuple(map(number_of, found))
+    def _count(self, table: Any) -> int:
+        if self._is_by_place:
+            return len(self.numbering.met)
+        return len(table.index) if self._shape is KeyShape.FRAME else dict.__len__(table)
+
+    def _changed_states(self, table: Any) -> Iterable[int]:
+        """Return the states whose rows may have changed, all if it is not known which entry is whose."""
+        is_dict = issubclass(type(table), dict)
+        is_known = is_dict or (type(table) is list and not self.numbering.is_tuple)
+        if self._is_met or self._has_texts or not is_known:
+            return self.numbering.met
+        entries = list(map(_comparable, dict.values(table) if is_dict else table))
+        changed: Iterable[int | None]
+        if self._read is table and len(entries) == len(self._entries):
+            changed = compress(self._states, map(ne, entries, self._entries))
+        else:
+            self._states = list(map(self._state_of, dict.keys(table))) if is_dict else self.numbering.met
+            changed = chain(self._states, self._kept)
+        self._read, self._entries = table, list(map(_copied, entries))
+        return [each for each in dict.fromkeys(changed) if each is not None]
+
+    def _state_of(self, key: Any) -> int | None:
+        known = self._states_by_key
+        if key not in known:
+            has_parts = self._has_parts and type(key) is tuple and len(key) > 0
+            state = (key[0] if self._shape is KeyShape.PAIRS else key[:-1]) if has_parts else key
+            known[key] = _state_of(self.numbering, state)
+        return known[key]
+
+    def _compare(self, table: Any, state: int, found: list[float]) -> None:
+        try:
+            row = self._row(table, state)
+        except (LookupError, TypeError, ValueError):
+            return
+        now = _comparable(row)
+        if now == self._kept.get(state):
+            return
+        numbers = _numbers(row) if row is not None else (NAN,) * self.actions
+        if len(numbers) == self.actions:
+            self._kept[state] = _copied(now)
+            for action, (before, after) in enumerate(zip(self.row(state), numbers, strict=True)):
+                add_difference(state * self.actions + action, before, after, found)
+            self._numbers[state] = numbers
+
+    def _row(self, table: Any, state: int) -> Any:
+        key, row = self._key(state), table
+        if self._has_parts:
+            start = (key,) if self._shape is KeyShape.PAIRS else parts_of(key)
+            return _by_action(table, [(*start, each) for each in self.numbering.action_keys])
+        if self._is_by_place:
+            for part in key:
+                row = row[part]
+        elif self._shape is KeyShape.FRAME:
+            row = [NAN] * self.actions
+            for action, value in zip(self._columns, table.to_numpy()[self._places[key]], strict=True):
+                if action is not None:
+                    row[action] = float(value)
+        else:
+            row = dict.get(table, key)
+        if type(row) is np.ndarray:
+            return row.tolist() if row.dtype == object else row
+        return _by_action(row, self.numbering.action_keys) if issubclass(type(row), dict) else row
+
+    def _key_of(self, state: int) -> Any:
+        original = self.numbering.key(state)
+        return str(original) if self._has_texts else key_of(original)
+
+
+def _by_action(row: Any, keys: Sequence[Any]) -> list[Any] | None:
+    found = list(map(dict.get, repeat(row), keys))
+    return None if all(each is None for each in found) else found
+
+
+def _comparable(row: Any) -> object:
+    return row.tobytes() if type(row) is np.ndarray else row
+
+
+def _copied(row: object) -> object:
+    if type(row) is list:
+        return list(row)
+    return dict(row) if issubclass(type(row), dict) else row  # type: ignore[call-overload]
 
 
 def _numbers(row: Any) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ import numpy as np
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file
 from rl_tui.programs.watched.child.tables.held_table import HeldTable
-from rl_tui.programs.watched.child.tables.recognition import form_of
+from rl_tui.programs.watched.child.tables.keyed_table import form_of
 
 MISSING: Final = object()
 NO_TABLE: Final = re.compile(

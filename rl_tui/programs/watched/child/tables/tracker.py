@@ -10,7 +10,7 @@ from typing import Any, Final
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.tables.forms import add_difference
 from rl_tui.programs.watched.child.tables.held_table import Doubles
-from rl_tui.programs.watched.child.tables.recognition import form_of
+from rl_tui.programs.watched.child.tables.keyed_table import form_of
 from rl_tui.programs.watched.child.tables.search import (
     MISSING,
     EntryWay,

@@ -13,7 +13,14 @@ from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.tables.forms import MOST_CELLS
 from rl_tui.programs.watched.child.tables.keyed_table import KeyShape, shape_of
 from rl_tui.programs.watched.child.tables.search import GOOD, LIKE_Q, NO_TABLE, Way, rank, ways
-from rl_tui.programs.watched.child.worlds.met import MOST_ACTIONS, Key, UnfitError, key_of, state_key
+from rl_tui.programs.watched.child.worlds.met import (
+    MOST_ACTIONS,
+    Key,
+    UnfitError,
+    key_of,
+    parts_of,
+    state_key,
+)
 from rl_tui.programs.watched.messages import StepFlag
 
 FEW_STEPS: Final = 100
@@ -109,7 +116,7 @@ class TableSearch:
         Raises UnfitError if no table can have such rows.
         """
         key, taken = state_key(observation), key_of(action)
-        parts = (*(key if type(key) is tuple else (key,)), taken)
+        parts = (*parts_of(key), taken)
         if not all(type(each) is int for each in parts):
             return None
         found = [
@@ -155,7 +162,7 @@ class TableSearch:
             key, action = key_of(last.before), key_of(last.action)
         except UnfitError:
             return False
-        cell = (*(key if type(key) is tuple else (key,)), action)
+        cell = (*parts_of(key), action)
         changed = np.argwhere(before != now).tolist()
         return changed == [list(cell)]
 

@@ -42,39 +42,20 @@ def key_of(value: Any) -> Key:
     raise UnfitError(f"an observation has the type {kind.__name__}")
 
 
+def parts_of(key: Key) -> tuple[Any, ...]:
+    """Return the parts of a key, one for a plain value."""
+    return key if type(key) is tuple else (key,)
+
+
 def state_key(observation: Any) -> Key:
     """Return the key of one of few observations. Raises UnfitError for others."""
     key = key_of(observation)
-    parts = key if type(key) is tuple else (key,)
+    parts = parts_of(key)
     if any(type(each) is float for each in parts):
         raise UnfitError("its observations are numbers with fractions")
     if len(parts) > _LONGEST:
         raise UnfitError(f"an observation has {len(parts):,} parts")
     return key
-
-
-class FixedStates:
-    """States and actions of `numbering` as keys of a table."""
-
-    def __init__(self, numbering: Numbering) -> None:
-        self._numbering = numbering
-        self.met = range(numbering.states)
-        self.are_actions_places = numbering.first_action == 0
-
-    def key(self, state: int) -> Any:
-        """Return a state's observation."""
-        return self._numbering.key(state)
-
-    def action_of_key(self, key: Any) -> int | None:
-        """Return the action of a table's `key`, or None."""
-        try:
-            return self._numbering.action(key)
-        except (TypeError, ValueError):
-            return None
-
-    def action_key(self, number: int) -> int:
-        """Return the action as the program writes it."""
-        return number + self._numbering.first_action
 
 
 class MetNumbering(Numbering):
@@ -95,7 +76,6 @@ class MetNumbering(Numbering):
         self._numbers: dict[Key, int] = {}
         self._originals: list[Any] = []
         self._action_numbers: dict[Key, int] = {}
-        self._actions: dict[int, Any] = {}
         known = {state_key(each): each for each in observations}
         are_sorted = len({type(each) for each in known}) == 1 and all(map(_has_order, known))
         for key in sorted(known) if are_sorted else known:
@@ -128,33 +108,20 @@ class MetNumbering(Numbering):
         if type(key) is tuple and len(key) == 1:
             (key,) = key
         if key not in self._action_numbers:
-            own = key if type(key) is int and 0 <= key < self.actions else None
-            free = (each for each in range(self.actions) if each not in self._actions)
-            number = own if own is not None and own not in self._actions else next(free, None)
-            if number is None:
+            free = sorted({*range(self.actions)} - {*self._action_numbers.values()})
+            if not free:
                 raise UnfitError(f"more than {self.actions} actions were taken")
-            self._action_numbers[key] = number
-            self._actions[number] = action
+            number = key if type(key) is int and key in free else free[0]
+            self._action_numbers[key], self.action_keys[number] = number, action
         return self._action_numbers[key]
-
-    def action_of_key(self, key: Any) -> int | None:
-        """Return the action of a table's `key`, or None."""
-        try:
-            return self.action(key)
-        except UnfitError:
-            return None
-
-    def action_key(self, number: int) -> Any:
-        """Return the action as the program writes it."""
-        return self._actions.get(number, number)
 
     def key(self, state: int) -> Any:
         """Return a state's observation, if it was met."""
         return self._originals[state] if state < len(self._originals) else None
 
-    def place(self, state: int) -> tuple[int, ...]:
-        """Return the state as an index."""
-        return (state,)
+    def place(self, state: int) -> tuple[Any, ...]:
+        """Return the parts of a state's observation."""
+        return parts_of(key_of(self.key(state)))
 
     def _add(self, key: Key, observation: Any) -> int:
         number = self._numbers[key] = len(self._originals)
