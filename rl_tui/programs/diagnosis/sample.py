@@ -22,38 +22,119 @@ _MOVING: Final = 8_000
 _OTHERS: Final = 2_000
 _RUN: Final = 40
 """Length of chosen runs of steps. Some hypotheses compare steps of one episode or cell."""
-_COLUMN_CELLS: Final = 400_000
+_MOST_CELLS: Final = 2_000_000
 """Most cells read for the maxima of columns."""
+_MOST_CELLS_OF_A_SAMPLE: Final = 400_000
 
 
 @dataclass(frozen=True)
-class Sample:
-    """n steps with at most one moving cell, at `place`, and the parts of its new value.
+class ReadEstimates:
+    """The estimates that the updates of n steps may read.
 
     Attributes:
         at: Indexes in the evidence, `[n]`.
-        reward: Reward of the step that the cell belongs to, `[n]`.
-        reward_before: Reward of the previous step, `[n]`.
-        ended: True if the step terminated, `[n]`.
-        next_action: Action taken next, −1 at an end, `[n]`.
-        rows: Row of the next state before the step, `[n, A]`.
+        state: State of the updated cell, `[n]`.
+        action: Action of the updated cell, `[n]`.
+        next_action: Action taken next, −1 if unknown, `[n]`.
     """
 
     evidence: Evidence
-    place: MovedCell
     at: IntArray
-    cell: IntArray
+    state: IntArray
+    action: IntArray
+    next_state: IntArray
+    next_action: IntArray
+
+    def __len__(self) -> int:
+        return len(self.at)
+
+    @cached_property
+    def rows(self) -> FloatArray:
+        """Row of the next state before the step, `[n, A]`."""
+        return self.evidence.rows(self.next_state, self.at)
+
+    @cached_property
+    def other_rows(self) -> FloatArray:
+        """`rows` of the other of two tables."""
+        return self.evidence.other_rows(self.next_state, self.at)
+
+    def values(self, target: UpdateTarget, epsilon: float | None = None) -> FloatArray:
+        """Return the values that `target` may read, `[n, K]`.
+
+        K > 1 if only the program knows which, because it is not known which action was taken, allowed or
+        best. `epsilon` is that of Expected SARSA, NaN if None.
+        """
+        values: FloatArray
+        match target:
+            case UpdateTarget.BEST:
+                values = self.rows.max(1)
+            case UpdateTarget.NEXT_ACTION:
+                values = np.where(
+                    self.next_action[:, None] >= 0, _of_actions(self.rows, self.next_action), self.rows
+                )
+            case UpdateTarget.EXPECTED:
+                best = self.rows.max(1)
+                values = best + (np.nan if epsilon is None else epsilon) * (self.rows.mean(1) - best)
+            case UpdateTarget.ALLOWED | UpdateTarget.DRAWN:
+                values = self.rows
+            case UpdateTarget.COLUMN:
+                some = self._with_column()
+                values = np.full(len(self), np.nan)
+                values[some] = self.evidence.column_maxima(self.action[some], self.at[some])
+            case UpdateTarget.SAME_ACTION:
+                values = _of_actions(self.rows, self.action)
+            case UpdateTarget.OWN_STATE:
+                values = self.evidence.rows(self.state, self.at).max(1)
+            case UpdateTarget.INDEX:
+                values = self.rows.argmax(1).astype(np.float64)
+            case UpdateTarget.OTHER_BEST:
+                values = self.other_rows.max(1)
+            case UpdateTarget.BEST_BY_OTHER:
+                values = _of_best(self.rows, self.other_rows)
+            case UpdateTarget.OTHERS_CHOICE:
+                values = _of_best(self.other_rows, self.rows)
+            case UpdateTarget.NOTHING:
+                values = np.zeros(len(self))
+        return values if values.ndim == 2 else values[:, None]
+
+    def _with_column(self) -> IntArray:
+        """Return the steps for which the maximum of a column is computed."""
+        evidence = self.evidence
+        return np.arange(len(self))[: _MOST_CELLS * evidence.actions // max(len(evidence.initial), 1)]
+
+
+def _of_actions(rows: FloatArray, action: IntArray) -> FloatArray:
+    values: FloatArray = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
+    return values
+
+
+def _of_best(choosing: FloatArray, judging: FloatArray) -> FloatArray:
+    """Return the entries of `judging`, `[n, A]`, of the best actions in `choosing`, repeated for others."""
+    is_best = choosing == choosing.max(1, keepdims=True)
+    return np.where(is_best, judging, _of_actions(judging, is_best.argmax(1)))
+
+
+@dataclass(frozen=True)
+class Sample(ReadEstimates):
+    """n steps with at most one moving cell, at `place`, and the parts of its new value.
+
+    Attributes:
+        reward: Reward of the step that the cell belongs to, `[n]`.
+        reward_before: Reward of the previous step, `[n]`.
+        ended: True if the step terminated, `[n]`.
+    """
+
+    place: MovedCell
     old: FloatArray
     new: FloatArray
     reward: FloatArray
     reward_before: FloatArray
     ended: BoolArray
-    next_state: IntArray
-    next_action: IntArray
-    rows: FloatArray
 
-    def __len__(self) -> int:
-        return len(self.at)
+    @property
+    def cell(self) -> IntArray:
+        """The updated cell, `[n]`."""
+        return self.state * self.evidence.actions + self.action
 
     @cached_property
     def change(self) -> FloatArray:
@@ -77,57 +158,13 @@ class Sample:
         return result
 
     def value(self, target: UpdateTarget) -> FloatArray:
-        """Return the value that `target` reads, `[n]`, NaN if not computed."""
-        if target is UpdateTarget.BEST:
-            return self.best
-        if target is UpdateTarget.NEXT_ACTION:
-            return self._of_actions(np.maximum(self.next_action, 0))
-        if target is UpdateTarget.EXPECTED:
-            mean: FloatArray = self.rows.mean(1)
-            return mean
-        if target is UpdateTarget.SAME_ACTION:
-            return self._of_actions(self.cell % self.evidence.actions)
-        if target is UpdateTarget.OWN_STATE:
-            own: FloatArray = self.evidence.rows(self.cell // self.evidence.actions, self.at).max(1)
-            return own
-        if target is UpdateTarget.INDEX:
-            index: FloatArray = self.rows.argmax(1).astype(np.float64)
-            return index
-        if target is UpdateTarget.COLUMN:
-            return self._column_maxima()
-        if target is UpdateTarget.OTHER_BEST:
-            others: FloatArray = self.other_rows.max(1)
-            return others
-        if target is UpdateTarget.BEST_BY_OTHER:
-            return value_of_choice(self.rows, self.other_rows)
-        if target is UpdateTarget.OTHERS_CHOICE:
-            return value_of_choice(self.other_rows, self.rows)
-        return np.zeros(len(self))
+        """Return the value that `target` reads, `[n]`, NaN if it is one of several, or not computed."""
+        values = self.values(target)
+        return np.where((values == values[:, :1]).all(1), values[:, 0], np.nan)
 
-    @cached_property
-    def other_rows(self) -> FloatArray:
-        """`rows` of the other of two tables."""
-        return self.evidence.other_rows(self.next_state, self.at)
-
-    def _of_actions(self, action: IntArray) -> FloatArray:
-        values: FloatArray = self.rows[np.arange(len(self)), action]
-        return values
-
-    def _column_maxima(self) -> FloatArray:
+    def _with_column(self) -> IntArray:
         states = len(self.evidence.initial) // self.evidence.actions
-        some = np.flatnonzero(self.change)[: max(50, _COLUMN_CELLS // max(states, 1))]
-        result = np.full(len(self), np.nan)
-        result[some] = self.evidence.column_maxima(self.cell[some] % self.evidence.actions, self.at[some])
-        return result
-
-
-def value_of_choice(choosing: FloatArray, judging: FloatArray) -> FloatArray:
-    """Return the entry of `judging`, `[n, A]`, of the best action in `choosing`, NaN for different ties."""
-    is_best = choosing == choosing.max(1, keepdims=True)
-    low = np.where(is_best, judging, np.inf).min(1)
-    high = np.where(is_best, judging, -np.inf).max(1)
-    result: FloatArray = np.where(low == high, low, np.nan)
-    return result
+        return np.flatnonzero(self.change)[: max(50, _MOST_CELLS_OF_A_SAMPLE // max(states, 1))]
 
 
 def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
@@ -150,17 +187,16 @@ def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
     state = evidence.state[at] if late else evidence.next_state[at]
     return Sample(
         evidence,
-        place,
         at,
-        cell[at],
+        *np.divmod(cell[at], evidence.actions),
+        state,
+        evidence.action[at] if late else evidence.next_action[at],
+        place,
         np.where(still, stood, before[at]),
         np.where(still, stood, after[at]),
         evidence.reward_before[at] if late else evidence.reward[at],
         evidence.reward[at] if late else evidence.reward_before[at],
         np.zeros(len(at), np.bool_) if late else evidence.terminated[at],
-        state,
-        evidence.action[at] if late else evidence.next_action[at],
-        evidence.rows(state, at),
     )
 
 

@@ -42,7 +42,7 @@ _SINGULAR: Final = 1e-5
 def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
     """Return the best trial of Expected SARSA, if α, γ and ε are determined."""
     inner = np.flatnonzero((sample.change != 0.0) & ~sample.ended)
-    mean = sample.value(UpdateTarget.EXPECTED)
+    mean: FloatArray = sample.rows.mean(1)
     telling = inner[np.abs(sample.best - mean)[inner] > 100 * sample.slack[inner]]
     if len(telling) < FEWEST:
         return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from copy import copy
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, NamedTuple, Self
 
@@ -12,7 +11,7 @@ import numpy as np
 
 from rl_tui.programs.watched.program_world import ProgramWorld
 from rl_tui.programs.watched.recording import ChangeColumns, Recording, StepColumns
-from rl_tui.runs.evaluation import NO_FIGURES, Evaluation, GreedyEarnings, GreedyReturn, MarksState
+from rl_tui.runs.evaluation import NO_FIGURES, Evaluation, GreedyEarnings, GreedyReturn
 from rl_tui.runs.history import History
 from rl_tui.runs.results import RunResults
 from rl_tui.runs.timeline.table_samples import CellHistory
@@ -33,21 +32,6 @@ class UnderWay(NamedTuple):
     earned: float
     length: int
     has_ended: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ProgressState:
-    """A copy of the progress after `step` steps."""
-
-    step: int
-    episodes: int
-    ended_at: int
-    table: FloatArray | None
-    changes_until: int
-    visits: IntArray
-    under_way: dict[int, UnderWay]
-    history: tuple[IntArray | FloatArray, ...]
-    marks: MarksState
 
 
 class ProgramState:
@@ -113,33 +97,16 @@ class ProgramState:
             stop = min(until, self.step + PIECE)
             self._take_steps(stop if mark is None else min(stop, mark))
 
-    def checkpoint(self) -> ProgressState:
-        """Return a copy of the state."""
-        return ProgressState(
-            self.step,
-            self.episodes,
-            self.ended_at,
-            None if self.table is None else self.table.copy(),
-            self._changes_until,
-            self.visits.copy(),
-            dict(self._under_way),
-            self._history.checkpoint(),
-            self._evaluation.checkpoint(),
-        )
-
-    def at(self, state: ProgressState) -> Self:
+    def copied(self) -> Self:
         """Return another progress of the same program."""
-        other = copy(self)
-        other.step, other.episodes, other.ended_at = state.step, state.episodes, state.ended_at
-        other.table = None if state.table is None else state.table.copy()
-        other._changes_until, other.visits = state.changes_until, state.visits.copy()
+        other, mdp = copy(self), self.world.world.mdp
+        other.table = None if self.table is None else self.table.copy()
+        other.visits, other._under_way = self.visits.copy(), dict(self._under_way)
         other._q = other._greedy = None
-        other._under_way = dict(state.under_way)
-        mdp = self.world.world.mdp
         other._history, other._greedy_return = History(), GreedyReturn(lambda: mdp)
         other._evaluation = Evaluation(mdp, other._greedy_return)
-        other._history.restore(state.history)
-        other._evaluation.restore(state.marks)
+        other._history.restore(self._history.checkpoint())
+        other._evaluation.restore(self._evaluation.checkpoint())
         return other
 
     def _take_changes(self) -> None:
@@ -227,7 +194,7 @@ class ProgramHistory:
         self.first_step = 0
         """First step that can still be shown."""
         self._spacing = _FIRST_SPACING
-        self._kept: list[ProgressState] = [self.newest.checkpoint()]
+        self._kept = [self.newest.copied()]
         self._followed: tuple[int, int, int] = (-1, 0, 0)
         self._places: IntArray = np.empty(0, np.int64)
         self._looked_at = 0
@@ -255,7 +222,7 @@ class ProgramHistory:
             self.shown = self.newest
             return
         place = bisect_right([each.step for each in self._kept], step) - 1
-        self.shown = self.newest.at(self._kept[max(place, 0)])
+        self.shown = self._kept[max(place, 0)].copied()
         self.shown.go_on(step)
 
     def begin_of_episode(self, number: int) -> int:
@@ -269,7 +236,7 @@ class ProgramHistory:
         if first.episodes >= wanted:
             return first.step
         until = next((each.step for each in self._kept if each.episodes >= wanted), self.newest.step)
-        return self.newest.at(first).ends_until(until)[wanted - first.episodes - 1]
+        return first.copied().ends_until(until)[wanted - first.episodes - 1]
 
     def cell(self, pair: int) -> CellHistory | None:
         """Return the estimate's history up to the shown moment."""
@@ -299,7 +266,7 @@ class ProgramHistory:
         return self._places
 
     def _keep(self) -> None:
-        self._kept.append(self.newest.checkpoint())
+        self._kept.append(self.newest.copied())
         if len(self._kept) > _MOST:
             self._kept = self._kept[::2]
             self._spacing *= 2

@@ -14,7 +14,7 @@ from rl_tui.programs.diagnosis.faults.cells import MOST_STEPS, CodePlace, Proof,
 from rl_tui.programs.diagnosis.faults.predictions import Predictions
 from rl_tui.programs.evidence.code_names import DISCOUNT, CodeNames
 from rl_tui.programs.evidence.evidence import Evidence
-from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateTarget
+from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 # A hypothesis
@@ -56,14 +56,19 @@ class Case:
         return self.predictions.evidence
 
     @property
+    def update(self) -> UpdateFound:
+        """The update of the program."""
+        return self.predictions.update
+
+    @property
     def uses_reward(self) -> bool:
         """True if the target has the environment's reward."""
-        return self.predictions.update.reward != "own"
+        return self.update.reward != "own"
 
     @property
     def bootstraps(self) -> bool:
         """True if the target also has the next value."""
-        update = self.predictions.update
+        update = self.update
         has_next = update.target is not UpdateTarget.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT
         return self.uses_reward and has_next
 
@@ -137,7 +142,7 @@ class Hypothesis:
     def proof(self, case: Case) -> Proof | None:
         """Count the steps for and against it, if it applies."""
         predictions = case.predictions
-        is_late = predictions.update.place is MovedCell.ONE_LATE
+        is_late = case.update.place is MovedCell.ONE_LATE
         if not predictions.is_known or is_late or not self.applies(case):
             return None
         tested = Tested(case, self.steps(case), self.most)
@@ -238,7 +243,7 @@ def _table_text(tested: Tested, place: int) -> str:
     own, other = names.table, names.other
     if tested.evidence.table[at[0]]:
         own, other = other, own
-    read = own if predictions.update.target is UpdateTarget.BEST else other
+    read = own if tested.case.update.target is UpdateTarget.BEST else other
     right = predictions.values(at, UpdateTarget.BEST_BY_OTHER)[0, 0]
     state = tested.evidence.next_state[at[0]]
     return (
@@ -255,7 +260,7 @@ def _twice_text(tested: Tested, _: int) -> str:
 
 
 def _step_size_text(tested: Tested, _: int) -> str:
-    alpha = tested.case.predictions.update.alpha or 0.0
+    alpha = tested.case.update.alpha or 0.0
     way = "beyond" if alpha > 1.0 else "away from"
     name = tested.case.names.alpha
     return f"{name} is {written(alpha)}, so each update moves the estimate {way} its target."
@@ -287,20 +292,20 @@ def _with_or_without(tested: Tested) -> FloatArray:
 
 
 def _allowed(tested: Tested) -> FloatArray:
-    alpha = tested.case.predictions.update.alpha or 0.0
+    alpha = tested.case.update.alpha or 0.0
     nearest = 1.0 / alpha if alpha > 1.0 else 0.0
     return tested.before + nearest * (_with_or_without(tested) - tested.before)
 
 
 def _is_out_of_range(case: Case) -> bool:
-    update = case.predictions.update
+    update = case.update
     is_constant = case.uses_reward and update.alpha_schedule == "constant" and update.alpha is not None
     return is_constant and not 0.0 < (update.alpha or 0.0) <= 1.0 + _NEAR
 
 
 def _root(case: Case) -> tuple[str, float]:
     """Return the discount whose square moves the table, or 1 if the code has the found discount."""
-    gamma, numbers = case.predictions.update.gamma, case.numbers
+    gamma, numbers = case.update.gamma, case.numbers
     if (
         gamma is None
         or not 0.0 < gamma < 1.0
@@ -322,9 +327,7 @@ def _root(case: Case) -> tuple[str, float]:
 HYPOTHESES: Final = (
     Hypothesis(
         CodeFault.WRONG_TABLE,
-        applies=lambda case: (
-            case.predictions.update.rule is Rule.DOUBLE_Q and case.predictions.update.target in _ONE_TABLE
-        ),
+        applies=lambda case: case.update.rule is Rule.DOUBLE_Q and case.update.target in _ONE_TABLE,
         steps=_inner,
         wrong=lambda tested: tested.with_next,
         right=_of_both,
@@ -336,7 +339,7 @@ HYPOTHESES: Final = (
     ),
     Hypothesis(
         CodeFault.WRONG_AXIS,
-        applies=lambda case: case.predictions.update.target is UpdateTarget.COLUMN,
+        applies=lambda case: case.update.target is UpdateTarget.COLUMN,
         steps=_inner,
         wrong=lambda tested: tested.with_next,
         right=lambda tested: tested.after(_best(tested)),
@@ -351,8 +354,8 @@ HYPOTHESES: Final = (
         CodeFault.WRONG_FORMULA,
         applies=lambda case: (
             case.bootstraps
-            and case.predictions.update.target is UpdateTarget.OWN_STATE
-            and case.predictions.update.place is MovedCell.TAKEN
+            and case.update.target is UpdateTarget.OWN_STATE
+            and case.update.place is MovedCell.TAKEN
         ),
         steps=_inner,
         wrong=lambda tested: tested.with_next,

@@ -9,7 +9,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.programs.diagnosis.faults.cells import some_of
-from rl_tui.programs.evidence.evidence import NO_ACTION, Evidence
+from rl_tui.programs.diagnosis.sample import ReadEstimates
+from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
@@ -26,8 +27,6 @@ _FEW: Final = 10_000
 _FEWEST: Final = 10
 _EXCEPTIONS: Final = 0.03
 """Largest share of exceptions."""
-_MOST_COLUMNS: Final = 2_000_000
-"""Most cells read for the maxima of columns."""
 
 
 class Readings(NamedTuple):
@@ -103,39 +102,13 @@ class Predictions:
         )
 
     def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
-        """Return the possible next values, `[n, K]`.
-
-        K > 1 if only the program knows the action, which it may never have taken.
-        """
+        """Return the possible next values, `[n, K]`."""
         evidence, update = self.evidence, self.update
-        target = target or update.target
-        if target is UpdateTarget.NOTHING:
-            return np.zeros((len(at), 1))
-        if target is UpdateTarget.COLUMN:
-            return self._column_values(at)
-        source = evidence.state if target is UpdateTarget.OWN_STATE else evidence.next_state
-        rows = evidence.rows(source[at], at)
-        if target in (UpdateTarget.ALLOWED, UpdateTarget.DRAWN):
-            return rows
-        if target is UpdateTarget.NEXT_ACTION:
-            return _of_next_action(rows, evidence.next_action[at])
-        if target is UpdateTarget.SAME_ACTION:
-            same: FloatArray = np.take_along_axis(rows, evidence.action[at][:, None], 1)
-            return same
-        if target is UpdateTarget.BEST_BY_OTHER:
-            return _of_best(rows, evidence.other_rows(source[at], at))
-        if target is UpdateTarget.OTHERS_CHOICE:
-            return _of_best(evidence.other_rows(source[at], at), rows)
-        if target is UpdateTarget.OTHER_BEST:
-            rows = evidence.other_rows(source[at], at)
-        best: FloatArray = rows.max(1)
-        if target is UpdateTarget.INDEX:
-            best = rows.argmax(1).astype(np.float64)
-        if target is UpdateTarget.EXPECTED:
-            epsilon = np.nan if update.epsilon is None else update.epsilon  # of each episode another one
-            best = (1.0 - epsilon) * best + epsilon * rows.mean(1)
-        column: FloatArray = best[:, None]
-        return column
+        states, actions = evidence.state[at], evidence.action[at]
+        reads = ReadEstimates(
+            evidence, at, states, actions, evidence.next_state[at], evidence.next_action[at]
+        )
+        return reads.values(target or update.target, update.epsilon)
 
     def after(self, readings: Readings, reward: FloatArray, values: FloatArray) -> FloatArray:
         """Return new values, `[n, K]`, for `reward`, `[n]`, and next `values`, `[n, K]`."""
@@ -157,12 +130,6 @@ class Predictions:
         fits_other = (np.abs(other - after) <= near[:, None]).any(1)
         moved = readings.before != readings.after
         return Witnesses(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
-
-    def _column_values(self, at: IntArray) -> FloatArray:
-        evidence, values = self.evidence, np.full((len(at), 1), np.nan)
-        read = at[: _MOST_COLUMNS * evidence.actions // max(len(evidence.initial), 1)]
-        values[: len(read), 0] = evidence.column_maxima(evidence.action[read], read)
-        return values
 
     def _alpha_by_visits(self) -> FloatArray:
         """Return 1/N, where N may have an offset, or NaN if most steps disagree."""
@@ -215,15 +182,3 @@ def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> P
 
 def _thinned(at: IntArray) -> IntArray:
     return at[:: max(1, -(-len(at) // _MOST_SOLVED))]
-
-
-def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
-    taken = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
-    return np.where((action == NO_ACTION)[:, None], rows, taken)
-
-
-def _of_best(choosing: FloatArray, judging: FloatArray) -> FloatArray:
-    """Return the entries of `judging`, `[n, A]`, of the best actions in `choosing`, repeated for others."""
-    is_best = choosing == choosing.max(1, keepdims=True)
-    first = np.take_along_axis(judging, is_best.argmax(1)[:, None], 1)
-    return np.where(is_best, judging, first)
