@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
-from types import ModuleType
 from typing import Final
 
+from rl_tui.common.made_modules import MadeModules
 from rl_tui.programs.own_agents.binding import Style
 
 _MODULES: Final[Mapping[Style, Mapping[str, str]]] = {
@@ -18,26 +16,12 @@ _MODULES: Final[Mapping[Style, Mapping[str, str]]] = {
 }
 
 
-class _StandIn(MetaPathFinder, Loader):
-    """Finds modules that no other finder has found."""
+def _stand_ins(modules: Mapping[str, str]) -> MadeModules:
+    def content(name: str) -> Mapping[str, object]:
+        source = import_module(f"{__name__}.{modules[name]}")
+        return {name: value for name, value in vars(source).items() if not name.startswith("_")}
 
-    def __init__(self, modules: Mapping[str, str]) -> None:
-        self._modules = modules
-
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        if fullname not in self._modules:
-            return None
-        return ModuleSpec(fullname, self, is_package=any(f"{fullname}." in each for each in self._modules))
-
-    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        return None
-
-    def exec_module(self, module: ModuleType) -> None:
-        source = import_module(f"{__name__}.{self._modules[module.__name__]}")
-        public = {name: value for name, value in vars(source).items() if not name.startswith("_")}
-        module.__dict__.update(public)
+    return MadeModules(modules.__contains__, content)
 
 
 def offer_stand_ins(style: Style, own_name: str) -> None:
@@ -47,6 +31,6 @@ def offer_stand_ins(style: Style, own_name: str) -> None:
     """
     modules = _MODULES.get(style, {})
     if own_name in modules:
-        sys.meta_path.insert(0, _StandIn({own_name: modules[own_name]}))
+        sys.meta_path.insert(0, _stand_ins({own_name: modules[own_name]}))
         import_module(own_name)
-    sys.meta_path.append(_StandIn(modules))
+    sys.meta_path.append(_stand_ins(modules))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import builtins
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from importlib.machinery import ModuleSpec
-from types import ModuleType
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final, Self
 
+from rl_tui.common.made_modules import MadeModules
 from rl_tui.programs.watched.child.errors import is_users_file
 
 Note = Callable[[str], None]
@@ -58,28 +57,17 @@ def stand_in(note: Note) -> None:
 
     builtins.get_ipython = get_ipython  # type: ignore[attr-defined]
     builtins.display = print  # type: ignore[attr-defined]
-    sys.meta_path.append(_LastFinder(note))
+    sys.meta_path.append(MadeModules(_is_for_logs, lambda name: _content(name, note)))
 
 
-class _LastFinder:
-    def __init__(self, note: Note) -> None:
-        self._note = note
+def _is_for_logs(name: str) -> bool:
+    top, _, inner = name.partition(".")
+    is_ours = isinstance(getattr(sys.modules.get(top), "__loader__", None), MadeModules)
+    return top in _LOGGING and (not inner or is_ours)
 
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        top, _, inner = fullname.partition(".")
-        if top not in _LOGGING or (
-            inner and not isinstance(getattr(sys.modules[top], "__loader__", None), _LastFinder)
-        ):
-            return None
-        return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
 
-    def create_module(self, spec: ModuleSpec) -> ModuleType:
-        return ModuleType(spec.name)
-
-    def exec_module(self, module: ModuleType) -> None:
-        top = module.__name__.partition(".")[0]
-        self._note(f"{top} is not installed: its functions do nothing")
-        shows_nothing = {"display": print} if top == "IPython" else {}
-        module.__dict__.update(shows_nothing, __path__=[], __getattr__=Nothing().__getattr__)
+def _content(name: str, note: Note) -> Mapping[str, Any]:
+    top = name.partition(".")[0]
+    note(f"{top} is not installed: its functions do nothing")
+    shown = {"display": print} if top == "IPython" else {}
+    return {**shown, "__getattr__": Nothing().__getattr__}

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
-from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any, Final
 
 import gymnasium
 import numpy as np
 
+from rl_tui.common.made_modules import MadeModules
 from rl_tui.programs.watched.child.environments.direct_envs import DirectEnvs
 from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.environments.watched_env import WatchedEnv
@@ -45,11 +45,12 @@ _WRAPPERS: Final = {
 
 def offer_old_gym(making: Making, note: Callable[[str], None]) -> None:
     """Answer `import gym`, installed or not, and `note` it."""
-    sys.meta_path.insert(0, OldGym(making, note))
+    gym = OldGym(making, note)
+    sys.meta_path.insert(0, MadeModules(gym.has, gym.content))
 
 
 class OldGym:
-    """Finds `gym` and its modules. Others of Gymnasium have the same content under the old name."""
+    """The modules of `gym`. Most have the content of Gymnasium's under the old name."""
 
     def __init__(self, making: Making, note: Callable[[str], None]) -> None:
         self._making, self._note = making, note
@@ -64,25 +65,16 @@ class OldGym:
             "gym.wrappers.monitoring.video_recorder": lambda: _VIDEO,
         }
 
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        """Return a spec for the old Gym."""
-        if fullname.partition(".")[0] != _OLD or self._content(fullname) is None:
-            return None
-        return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
+    def has(self, name: str) -> bool:
+        """Return True for a module of the old Gym."""
+        return name.partition(".")[0] == _OLD and self._names_in(name) is not None
 
-    def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Return an empty module."""
-        return ModuleType(spec.name)
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Fill `module`."""
-        module.__dict__.update(self._content(module.__name__) or {}, __path__=[])
-        module.__getattr__ = partial(_inner_module, module.__name__)  # type: ignore[method-assign]
-        if module.__name__ == _OLD:
+    def content(self, name: str) -> Mapping[str, Any]:
+        """Return the names in a module. The first is noted."""
+        if name == _OLD:
             self._note(_NOTE)
             self._begin()
+        return {**(self._names_in(name) or {}), "__getattr__": partial(_inner_module, name)}
 
     def _begin(self) -> None:
         direct: DirectEnvs = self._making.direct
@@ -90,7 +82,7 @@ class OldGym:
         if not hasattr(gymnasium.Env, "seed"):
             gymnasium.Env.seed = seed
 
-    def _content(self, name: str) -> Mapping[str, Any] | None:
+    def _names_in(self, name: str) -> Mapping[str, Any] | None:
         if name in self._own:
             return self._own[name]()
         try:

@@ -16,7 +16,7 @@ from rl_tui.programs.watched.child.tables.forms import (
     MOST_CELLS,
     NAN,
     ArrayTable,
-    add_difference,
+    add_differences,
     is_entry,
     is_number,
     number_of,
@@ -222,12 +222,13 @@ class KeyedTable(HeldTable):
         self._has_rows, self._is_by_place = shape in _ROWS, shape in _BY_PLACE
         self._has_parts = shape in (KeyShape.PAIRS, KeyShape.FLAT)
         self.is_compared_whole = self.is_compared_whole and not self._is_met
-        self._key = cache(numbering.place if self._is_by_place else self._key_of)
+        key = numbering.place if self._is_by_place else self._key_of
+        self._key = key if self._is_met and self._has_parts else cache(key)  # its actions become known later
         self._states_by_key: dict[Any, int | None] = {}
 
     def take(self, table: Any) -> None:
         """Store the table."""
-        self._numbers: dict[int, tuple[float, ...]] = {}
+        self._numbers: dict[int, list[float]] = {}
         self._kept: dict[int, object] = {}
         self._length = -1
         self._read: Any = None  # its entries were compared last, which belong to states
@@ -293,14 +294,20 @@ class KeyedTable(HeldTable):
         is_known = is_dict or (type(table) is list and not self.numbering.is_tuple)
         if self._is_met or self._has_texts or not is_known:
             return self.numbering.met
-        entries = list(map(_comparable, dict.values(table) if is_dict else table))
-        changed: Iterable[int | None]
+        entries = list(dict.values(table) if is_dict else table)
+        if not self._has_parts and np.ndarray in set(map(type, entries)):
+            entries = list(map(_comparable, entries))
+        if self._read is table and entries == self._entries:
+            return ()
         if self._read is table and len(entries) == len(self._entries):
-            changed = compress(self._states, map(ne, entries, self._entries))
+            places = list(compress(range(len(entries)), map(ne, entries, self._entries)))
+            for place in places:
+                self._entries[place] = _copied(entries[place])
+            changed: Iterable[int | None] = [self._states[place] for place in places]
         else:
+            self._read, self._entries = table, list(map(_copied, entries))
             self._states = list(map(self._state_of, dict.keys(table))) if is_dict else self.numbering.met
             changed = chain(self._states, self._kept)
-        self._read, self._entries = table, list(map(_copied, entries))
         return [each for each in dict.fromkeys(changed) if each is not None]
 
     def _state_of(self, key: Any) -> int | None:
@@ -319,18 +326,16 @@ class KeyedTable(HeldTable):
         now = _comparable(row)
         if now == self._kept.get(state):
             return
-        numbers = _numbers(row) if row is not None else (NAN,) * self.actions
+        numbers = _numbers(row) if row is not None else [NAN] * self.actions
         if len(numbers) == self.actions:
-            self._kept[state] = _copied(now)
-            for action, (before, after) in enumerate(zip(self.row(state), numbers, strict=True)):
-                add_difference(state * self.actions + action, before, after, found)
-            self._numbers[state] = numbers
+            pairs = zip(self.row(state), numbers, strict=True)
+            add_differences(state * self.actions, pairs, found)
+            self._kept[state], self._numbers[state] = _copied(now), numbers
 
     def _row(self, table: Any, state: int) -> Any:
         key, row = self._key(state), table
         if self._has_parts:
-            start = (key,) if self._shape is KeyShape.PAIRS else parts_of(key)
-            return _by_action(table, [(*start, each) for each in self.numbering.action_keys])
+            return _by_action(table, key)
         if self._is_by_place:
             for part in key:
                 row = row[part]
@@ -347,7 +352,11 @@ class KeyedTable(HeldTable):
 
     def _key_of(self, state: int) -> Any:
         original = self.numbering.key(state)
-        return str(original) if self._has_texts else key_of(original)
+        key = str(original) if self._has_texts else key_of(original)
+        if not self._has_parts:
+            return key
+        start = (key,) if self._shape is KeyShape.PAIRS else parts_of(key)
+        return [(*start, each) for each in self.numbering.action_keys]
 
 
 def _by_action(row: Any, keys: Sequence[Any]) -> list[Any] | None:
@@ -365,5 +374,6 @@ def _copied(row: object) -> object:
     return dict(row) if issubclass(type(row), dict) else row  # type: ignore[call-overload]
 
 
-def _numbers(row: Any) -> tuple[float, ...]:
-    return tuple(map(number_of, row.tolist() if type(row) is np.ndarray else row))
+def _numbers(row: Any) -> list[float]:
+    numbers = row.tolist() if type(row) is np.ndarray else row
+    return [each if type(each) is float else number_of(each) for each in numbers]

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from importlib.machinery import ModuleSpec
-from types import ModuleType
+from collections.abc import Callable, Iterator
 from typing import Any, Final
 
+from rl_tui.common.made_modules import MadeModules
 from rl_tui.programs.watched.child.stand_ins import Note, Nothing
 
 _SIZE: Final = 400
@@ -125,23 +124,9 @@ def _content() -> dict[str, Any]:
 
 def offer_windows(note: Note) -> None:
     """Answer imports of tkinter, and `note` the first."""
-    sys.meta_path.insert(0, _Windows(note))
 
+    def content(_: str) -> dict[str, Any]:
+        note(_NO_WINDOWS)
+        return _content()
 
-class _Windows:
-    def __init__(self, note: Note) -> None:
-        self._note = note
-
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        if fullname.partition(".")[0] not in _TKINTER:
-            return None
-        return ModuleSpec(fullname, self, is_package=True)  # type: ignore[arg-type]
-
-    def create_module(self, spec: ModuleSpec) -> ModuleType:
-        return ModuleType(spec.name)
-
-    def exec_module(self, module: ModuleType) -> None:
-        self._note(_NO_WINDOWS)
-        module.__dict__.update(_content(), __path__=[])
+    sys.meta_path.insert(0, MadeModules(lambda name: name.partition(".")[0] in _TKINTER, content))
