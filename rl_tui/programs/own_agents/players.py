@@ -58,43 +58,6 @@ class AgentPlayer(ABC):
         """End the episode `episode`, from 0."""
 
 
-class MethodsPlayer(AgentPlayer):
-    """An object with methods to choose and to learn."""
-
-    def __init__(self, agent: Any, shape: AgentShape, env: Any) -> None:
-        self._env, self._either = env, shape.done_is_either
-        self._choose = bind(getattr(agent, shape.choose), shape.choose, shape.roles[shape.choose])
-        update = getattr(agent, shape.update)
-        self._update = bind(update, shape.update, shape.roles[shape.update])
-        self._looks_ahead = (
-            "next_action" in bound_roles(update, shape.update, shape.roles[shape.update]).values()
-        )
-        decay = getattr(agent, "decay_epsilon", None) if "decay_epsilon" in shape.roles else None
-        self._decay = bind(decay, "decay_epsilon", shape.roles["decay_epsilon"]) if callable(decay) else None
-        self._episode = 0
-
-    def begin(self, state: int, mask: Mask) -> Any:
-        """Choose the first action."""
-        return self._choose({"env": self._env, "state": state, "episode": self._episode})
-
-    def after(self, step: Happened) -> Any:
-        """Learn and choose."""
-        over = step.terminated or step.truncated
-        given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
-        if self._looks_ahead:
-            given["next_action"] = self.begin(step.next_state, step.mask)
-            self._update(given)
-            return given["next_action"]
-        self._update(given)
-        return None if over else self.begin(step.next_state, step.mask)
-
-    def end(self, episode: int) -> None:
-        """Decay ε."""
-        if self._decay is not None:
-            self._decay({"episode": episode})
-        self._episode = episode + 1
-
-
 class LegalActions:
     """Berkeley's `actionFn`: the actions of the current state, () after the end."""
 
@@ -114,26 +77,43 @@ class LegalActions:
             self._known[state] = tuple(np.flatnonzero(mask).tolist())
 
 
-class BerkeleyPlayer(AgentPlayer):
-    """An agent of Berkeley's course, which asks for the available actions."""
+class MethodsPlayer(AgentPlayer):
+    """An object with methods to choose and to learn. It may ask `legal` for the available actions."""
 
-    def __init__(self, agent: Any, legal: LegalActions) -> None:
-        shape = SHAPE_OF[Style.BERKELEY]
-        self._legal = legal
-        self._choose = bind(agent.getAction, "getAction", shape.roles["getAction"])
-        self._update = bind(agent.update, "update", shape.roles["update"])
+    def __init__(self, agent: Any, shape: AgentShape, env: Any, legal: LegalActions) -> None:
+        self._env, self._either, self._legal = env, shape.done_is_either, legal
+        self._choose = bind(getattr(agent, shape.choose), shape.choose, shape.roles[shape.choose])
+        update = getattr(agent, shape.update)
+        self._update = bind(update, shape.update, shape.roles[shape.update])
+        self._looks_ahead = (
+            "next_action" in bound_roles(update, shape.update, shape.roles[shape.update]).values()
+        )
+        decay = getattr(agent, "decay_epsilon", None) if "decay_epsilon" in shape.roles else None
+        self._decay = bind(decay, "decay_epsilon", shape.roles["decay_epsilon"]) if callable(decay) else None
+        self._episode = 0
 
     def begin(self, state: int, mask: Mask) -> Any:
         """Choose the first action."""
         self._legal.enter(state, mask)
-        return self._choose({"state": state})
+        return self._choose({"env": self._env, "state": state, "episode": self._episode})
 
     def after(self, step: Happened) -> Any:
         """Learn and choose."""
         self._legal.enter(step.next_state, step.mask, terminated=step.terminated)
-        self._update(step._asdict())
         over = step.terminated or step.truncated
-        return None if over else self._choose({"state": step.next_state})
+        given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
+        if self._looks_ahead:
+            given["next_action"] = self.begin(step.next_state, step.mask)
+            self._update(given)
+            return given["next_action"]
+        self._update(given)
+        return None if over else self.begin(step.next_state, step.mask)
+
+    def end(self, episode: int) -> None:
+        """Decay ε."""
+        if self._decay is not None:
+            self._decay({"episode": episode})
+        self._episode = episode + 1
 
 
 class GluePlayer(AgentPlayer):
@@ -264,16 +244,14 @@ def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings
     arguments = constructor_arguments(built, place.name, surroundings, settings.given, settings.defaults)
     unused = frozenset(settings.given) - {role_of(name) for name in arguments}
     agent = built(**arguments)
-    if place.style == Style.BERKELEY:
-        if not hasattr(agent, "getLegalActions"):
-            agent.getLegalActions = legal
-        return ReadyAgent(agent, BerkeleyPlayer(agent, legal), unused)
+    if place.style == Style.BERKELEY and not hasattr(agent, "getLegalActions"):
+        agent.getLegalActions = legal
     if place.style == Style.RL_GLUE:
         if hasattr(agent, "agent_init"):
             bind(agent.agent_init, "agent_init", shape.roles["agent_init"])(surroundings)
             unused -= _IN_INFO
         return ReadyAgent(agent, GluePlayer(agent), unused)
-    return ReadyAgent(agent, MethodsPlayer(agent, shape, env), unused)
+    return ReadyAgent(agent, MethodsPlayer(agent, shape, env, legal), unused)
 
 
 def _of_function(update: Any, name: str, sizes: tuple[int, int], settings: GivenSettings) -> ReadyAgent:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import signal
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -31,14 +31,6 @@ _COUNTED: Final = (0, 2, 5, 6, 7)
 """Integer columns of steps, other than states."""
 _STATES: Final = (1, 4)
 _EPISODE: Final = 6
-_COUNTS: Final = ("number", "actions", "time_limit", "heard")
-_WHOLE: Final = ("first_action", "step", "line", "status")
-_TEXTS: Final = (
-    *("id", "name", "form", "dtype", "text", "type", "file", "traceback", "method", "stream", "style"),
-    "stopped",
-)
-_LISTS_OF_NUMBERS: Final = ("states", "shape", "first_state")
-_LISTS_OF_TEXTS: Final = ("others", "other_forms", "wrappers", "state_names", "action_names")
 _MAY_BE_NULL: Final = ("line", "status", "stopped")
 _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
@@ -375,32 +367,44 @@ def _death_in_words(status: int) -> str:
     return f"the program was stopped by the signal {name}{reason}"
 
 
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and -NO_LIMIT <= value <= NO_LIMIT
+
+
+def _is_list(value: object, fits: Callable[[object], bool]) -> bool:
+    return isinstance(value, list) and all(map(fits, value))
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _is_table_of_numbers(value: object) -> bool:
+    return isinstance(value, dict) and all(isinstance(each, int | float) for each in value.values())
+
+
+_FITS: Final[Mapping[str, Callable[[Any], bool]]] = {
+    **dict.fromkeys(
+        ("number", "actions", "time_limit", "heard"), lambda value: _is_whole(value) and value >= 0
+    ),
+    **dict.fromkeys(("first_action", "step", "line", "status"), _is_whole),
+    **dict.fromkeys(("id", "name", "form", "dtype", "text", "type", "file", "traceback"), _is_text),
+    **dict.fromkeys(("method", "stream", "style", "stopped"), _is_text),
+    **dict.fromkeys(("states", "shape", "first_state"), lambda value: _is_list(value, _is_whole)),
+    **dict.fromkeys(("others", "other_forms", "wrappers"), lambda value: _is_list(value, _is_text)),
+    **dict.fromkeys(("state_names", "action_names"), lambda value: _is_list(value, _is_text)),
+    "numbers": _is_table_of_numbers,
+}
+"""What the fields of messages may be."""
+
+
 def _check_types(said: Mapping[str, Any]) -> None:
     """Raise TypeError for wrong types, because a program may write anything."""
     for name, value in said.items():
         is_unknown_step = name == "step" and said["kind"] == MessageKind.OUTPUT
-        if value is None and (name in _MAY_BE_NULL or is_unknown_step):
-            continue
-        if name in _COUNTS:
-            fits = _is_whole(value) and value >= 0
-        elif name in _WHOLE:
-            fits = _is_whole(value)
-        elif name in _TEXTS:
-            fits = isinstance(value, str)
-        elif name in _LISTS_OF_NUMBERS:
-            fits = isinstance(value, list) and all(_is_whole(each) for each in value)
-        elif name in _LISTS_OF_TEXTS:
-            fits = isinstance(value, list) and all(isinstance(each, str) for each in value)
-        elif name == "numbers":
-            fits = isinstance(value, dict) and all(isinstance(each, int | float) for each in value.values())
-        else:
-            continue
-        if not fits:
+        is_null = value is None and (name in _MAY_BE_NULL or is_unknown_step)
+        if not (is_null or name not in _FITS or _FITS[name](value)):
             raise TypeError(f"unknown message: {name}")
-
-
-def _is_whole(value: object) -> bool:
-    return isinstance(value, int) and -NO_LIMIT <= value <= NO_LIMIT
 
 
 def _is_within(numbers: npt.NDArray[np.float64], end: int) -> bool:
