@@ -77,7 +77,7 @@ class BoxReports(Puts, StepReports):
     def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
         """Take a step, once permitted, and keep it."""
         self._before(frame, "step")
-        result = self._call(lambda: take(action))
+        result = self._call(take, action)
         step = step_of(result)
         try:
             number = self.numbering.action(action)
@@ -129,13 +129,6 @@ class BoxReports(Puts, StepReports):
         else:
             self._note(self._reason())
         self.is_over = True
-
-    def _call(self, call: Callable[[], Any]) -> Any:
-        self.is_inside = self.is_used = True
-        try:
-            return call()
-        finally:
-            self.is_inside = False
 
     def _before(self, frame: Any, method: str) -> None:
         self._open = None

@@ -80,26 +80,20 @@ class DirectEnvs:
                 reports.bare = env
                 env.__dict__[_IS_INNER] = True
 
-    def step(self, env: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
-        """Take a step of `env` for `frame`."""
+    def call(self, method: str, env: Any, frame: Any, original: Callable[..., Any], given: Given) -> Any:
+        """Call `method` of `env` for `frame`, "step" or "reset"."""
         arguments, more = given
         reports = self._reports_of(env)
         if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
-            return self.without_spaces.step(env, frame, take, given)
-        if reports is None or reports.is_inside or reports.is_silent or len(arguments) + len(more) != 1:
-            return take(env, *arguments, **more)
+            watched = getattr(self.without_spaces, method)
+            return watched(env, frame, original, given)
+        has_action = method == "step" and len(arguments) + len(more) == 1
+        if reports is None or reports.is_inside or reports.is_silent or not (has_action or method == "reset"):
+            return original(env, *arguments, **more)
+        if method == "reset":
+            return reports.reset(frame, lambda: original(env, *arguments, **more))
         (action,) = (*arguments, *more.values())
-        return reports.step(frame, lambda _: take(env, *arguments, **more), action)
-
-    def reset(self, env: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
-        """Begin an episode of `env` for `frame`."""
-        arguments, more = given
-        reports = self._reports_of(env)
-        if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
-            return self.without_spaces.reset(env, frame, begin, given)
-        if reports is None or reports.is_inside or reports.is_silent:
-            return begin(env, *arguments, **more)
-        return reports.reset(frame, lambda: begin(env, *arguments, **more))
+        return reports.step(frame, lambda _: original(env, *arguments, **more), action)
 
     def _reports_of(self, env: Any) -> StepReports | None:
         inside = env.__dict__
@@ -124,27 +118,25 @@ class DirectEnvs:
         return self._classes[cls]
 
     def _watched_class(self, cls: Any) -> type:
-        envs = self
+        def watched(method: str) -> Callable[..., Any]:
+            def call(env: Any, *arguments: Any, **more: Any) -> Any:
+                frame = sys._getframe(1)
+                result = self.call(method, env, frame, getattr(cls, method), (arguments, more))
+                return self.answer(frame, method, result)
 
-        def step(env: Any, *arguments: Any, **more: Any) -> Any:
-            frame = sys._getframe(1)
-            return envs.answer(frame, "step", envs.step(env, frame, cls.step, (arguments, more)))
-
-        def reset(env: Any, *arguments: Any, **more: Any) -> Any:
-            frame = sys._getframe(1)
-            return envs.answer(frame, "reset", envs.reset(env, frame, cls.reset, (arguments, more)))
+            return call
 
         def reduce(env: Any, protocol: Any) -> Any:
-            watched, env.__class__ = env.__class__, cls
+            kind, env.__class__ = env.__class__, cls
             try:
                 made, arguments, *rest = env.__reduce_ex__(protocol)
             finally:
-                env.__class__ = watched
+                env.__class__ = kind
             if rest and isinstance(rest[0], dict):
                 rest[0] = {name: each for name, each in rest[0].items() if name not in _KEYS}
             return _copied, (made, *arguments), *rest
 
-        methods = {"step": step, "reset": reset, "__reduce_ex__": reduce, _KEY: True}
+        methods = {"step": watched("step"), "reset": watched("reset"), "__reduce_ex__": reduce, _KEY: True}
         if cls.__module__.startswith("gymnasium."):
             methods |= self.more_methods
         names = {name: getattr(cls, name) for name in ("__module__", "__qualname__", "__doc__")}

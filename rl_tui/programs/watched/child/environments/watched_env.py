@@ -45,11 +45,7 @@ class StepReports:
             if type(state) is int and self.numbering.counts_from_0:
                 self.state = state
         count = self._recorder.count
-        self.is_inside = self.is_used = True
-        try:
-            result = take(action)
-        finally:
-            self.is_inside = False
+        result = self._call(take, action)
         if self._recorder.count != count:
             self.is_silent = True
             return result
@@ -74,11 +70,7 @@ class StepReports:
     def reset(self, frame: Any, begin: Callable[[], Any]) -> Any:
         """Begin an episode, once permitted, and note its state."""
         self._recorder.before(frame, self.numbering, "reset")
-        self.is_inside = self.is_used = True
-        try:
-            result = begin()
-        finally:
-            self.is_inside = False
+        result = self._call(begin)
         self._recorder.resets += 1
         self._place = 0
         try:
@@ -86,6 +78,13 @@ class StepReports:
         except (TypeError, ValueError, LookupError):
             self._leave_out()
         return result
+
+    def _call(self, call: Callable[..., Any], *arguments: Any) -> Any:
+        self.is_inside = self.is_used = True
+        try:
+            return call(*arguments)
+        finally:
+            self.is_inside = False
 
     def _leave_out(self) -> None:
         if not self._is_strange:
