@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import linecache
 import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -11,7 +10,7 @@ from types import CodeType, FrameType
 from typing import Any, Final
 
 from rl_tui.programs.watched.child.errors import is_users_file, line_of
-from rl_tui.programs.watched.child.script import parsed
+from rl_tui.programs.watched.child.script import loaded_tree
 
 Place = tuple[str, int]
 """A file and a line."""
@@ -190,12 +189,9 @@ class _Statements:
         return self._first_lines[file].get(line, line)
 
     def _read(self, file: str) -> dict[int, int]:
-        try:
-            tree, _, _ = parsed("".join(linecache.getlines(file)), file)
-        except (SyntaxError, ValueError, RecursionError, MemoryError):
-            return {}
+        tree = loaded_tree(file)
         found: dict[int, int] = {}
-        for node in ast.walk(tree):  # from the outside in
+        for node in [] if tree is None else ast.walk(tree):  # from the outside in
             if isinstance(node, ast.stmt):
                 body = getattr(node, "body", None)
                 end = body[0].lineno - 1 if body else node.end_lineno or node.lineno

@@ -123,6 +123,14 @@ def parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
             text = "\n".join(lines)
 
 
+def loaded_tree(file: str) -> ast.Module | None:
+    """Return the syntax tree of a file that Python has read, or None."""
+    try:
+        return parsed("".join(linecache.getlines(file)), file)[0]
+    except _NOT_PYTHON:
+        return None
+
+
 def _leave_out(lines: list[str], place: int) -> int:
     first, line = place, lines[place]
     indent = line[: len(line) - len(line.lstrip())]

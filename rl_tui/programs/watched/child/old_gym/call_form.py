@@ -7,7 +7,6 @@ version 0.26 they are (observation, reward, terminated, truncated, info) and (ob
 from __future__ import annotations
 
 import ast
-import linecache
 import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -18,13 +17,12 @@ from types import CodeType, FrameType
 from typing import Any, Final, NamedTuple
 
 from rl_tui.programs.watched.child.errors import is_users_file
-from rl_tui.programs.watched.child.script import parsed
+from rl_tui.programs.watched.child.script import loaded_tree
 
 OLD: Final = 4
 NEW: Final = 5
 """Numbers of values that `step` returns."""
 _MOST_FRAMES: Final = 30
-_NOT_PYTHON: Final = (SyntaxError, ValueError, RecursionError, MemoryError)
 _Scope = ast.Module | ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 
 
@@ -100,9 +98,8 @@ def _callers(frame: FrameType | None) -> Iterator[FrameType]:
 
 def values_in(file: str) -> int:
     """Return the number that most calls of `step` unpack, or 0."""
-    counted = Counter(
-        form.number for form in _forms(file).values() if form.use is Use.UNPACKED and form.is_of_step
-    )
+    forms = (form for method, form in _forms(file).values() if method == "step")
+    counted = Counter(form.number for form in forms if form.use is Use.UNPACKED)
     known = {number: counted[number] for number in (OLD, NEW) if counted[number]}
     return max(known, key=known.__getitem__, default=0)
 
@@ -116,28 +113,20 @@ def form_of(frame: FrameType) -> CallForm:
 def _form_at(code: CodeType, instruction: int) -> CallForm:
     """Find the call by the end of its text, which it shares with no other call."""
     _, end_line, _, end_column = next(islice(code.co_positions(), instruction // 2, None))
-    found = None if end_line is None else _forms(code.co_filename).get((end_line, end_column or 0))
-    return CallForm(Use.AS_IT_IS) if found is None else CallForm(found.use, found.number)
-
-
-class _KnownForm(NamedTuple):
-    use: Use
-    number: int
-    is_of_step: bool
+    if end_line is None:
+        return CallForm(Use.AS_IT_IS)
+    return _forms(code.co_filename).get((end_line, end_column or 0), ("", CallForm(Use.AS_IT_IS)))[1]
 
 
 @lru_cache(maxsize=64)
-def _forms(file: str) -> Mapping[tuple[int, int], _KnownForm]:
-    try:
-        tree, _, _ = parsed("".join(linecache.getlines(file)), file)
-    except _NOT_PYTHON:
-        return {}
-    found: dict[tuple[int, int], _KnownForm] = {}
-    for scope, parent, call in _calls(tree, tree, tree):
-        form = _use_in(parent, call, scope)
-        name = call.func.attr if isinstance(call.func, ast.Attribute) else ""
-        if name in ("step", "reset"):
-            found[call.end_lineno or 0, call.end_col_offset or 0] = _KnownForm(*form, name == "step")
+def _forms(file: str) -> Mapping[tuple[int, int], tuple[str, CallForm]]:
+    """Return the methods `step` and `reset`, and the forms of their calls, by the ends of these."""
+    tree = loaded_tree(file)
+    found: dict[tuple[int, int], tuple[str, CallForm]] = {}
+    for scope, parent, call in [] if tree is None else _calls(tree, tree, tree):
+        if isinstance(call.func, ast.Attribute) and call.func.attr in ("step", "reset"):
+            form = _use_in(parent, call, scope)
+            found[call.end_lineno or 0, call.end_col_offset or 0] = call.func.attr, form
     return found
 
 
