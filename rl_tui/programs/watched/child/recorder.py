@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from threading import get_ident
 from types import CodeType, FrameType, FunctionType
-from typing import Any, Final, NamedTuple, NoReturn
+from typing import Any, Final, NoReturn
 
 import numpy as np
 
@@ -102,17 +102,8 @@ def _number(value: Any) -> float | None:
 Row = Callable[[int], Sequence[float]]
 """Returns the current row of a state, NaN for missing entries."""
 _CHANGE: Final = 3  # numbers: cell, before, after
-
-
-class StepSeen(NamedTuple):
-    """The last step, with cell, old and new value of later changes."""
-
-    state: int
-    action: int
-    reward: float
-    next_state: int
-    episode: int
-    changes: Sequence[float]
+Step = tuple[int, int, int, float, int, int, int, int]
+"""A step in the form of the pipe."""
 
 
 class StopConditions:
@@ -128,23 +119,24 @@ class StopConditions:
         self._value = said.get("value")
         self._policy = bool(said.get("policy"))
 
-    def met_by(self, step: StepSeen, row: Row, *, is_end: bool) -> str | None:
-        """Return the event that `step` met, or None."""
-        if step.next_state in self._states:
+    def met_by(self, step: Step, changes: Sequence[float], row: Row, *, is_end: bool) -> str | None:
+        """Return the event that `step` met with the `changes` after it, or None."""
+        _, state, action, reward, next_state, _, episode, _ = step
+        if next_state in self._states:
             return "states"
-        if step.state * self._actions + step.action in self._cells:
+        if state * self._actions + action in self._cells:
             return "cells"
-        if self._reward and step.reward != 0.0:
+        if self._reward and reward != 0.0:
             return "reward"
         if self._ends_left is not None and is_end:
             self._ends_left -= 1
             if self._ends_left <= 0:
                 return "episode_ends"
-        if self._episode is not None and is_end and step.episode + 1 >= self._episode:
+        if self._episode is not None and is_end and episode + 1 >= self._episode:
             return "episode"
-        if self._value is not None and self._is_crossed(step.changes):
+        if self._value is not None and self._is_crossed(changes):
             return "value"
-        return "policy" if self._policy and self._is_another_policy(step.changes, row) else None
+        return "policy" if self._policy and self._is_another_policy(changes, row) else None
 
     def _is_crossed(self, changes: Sequence[float]) -> bool:
         cell, threshold = self._value or (-1, 0.0)
@@ -181,8 +173,6 @@ def _best(numbers: Sequence[float]) -> list[int]:
 
 _LOOKED_CLOSELY: Final = 200  # first steps, each with a search for the table
 _THEN_EVERY: Final = 1.05  # growth of the interval between later searches
-Step = tuple[int, int, int, float, int, int, int, int]
-"""A step in the form of the pipe."""
 _NUMBERS: Final = 3  # of each difference
 _MOST_TRACES: Final = 2  # times that lines are traced, while too few were found
 _MOST_REBOUND: Final = 1_000  # messages about another object
@@ -208,7 +198,7 @@ class Recorder:
         self._next_look = self._next_numbers = 0
         self._episodes = self._rebound = 0
         self._recent: tuple[int, ...] = (0,)
-        self._last: tuple[int, int, float, int, int] | None = None  # until the next call, for events
+        self._last: Step | None = None  # until the next call, for events
         self._last_numbering: Numbering | None = None
         self._numbering: Numbering | None = None
         self._stop: StopConditions | None = None
@@ -241,9 +231,7 @@ class Recorder:
         if self.channel.is_due:
             self.gate.listen()
             self.channel.flush()
-        if self._stop is not None and self._last is not None:
-            self._look_at_stop(StepSeen(*self._last, changes), is_end=at_reset)
-        self._last = None
+        self._look_at_stop(changes, is_end=at_reset)
         if self._most is not None and self.count >= self._most:
             self.end_at_once()
         if self._met is not None or self.count >= self.gate.allowed[0]:
@@ -254,11 +242,10 @@ class Recorder:
         """Record a step in the form of the pipe."""
         self.channel.steps += step
         self.count += 1
-        state, next_state = step[1], step[4]
-        self._recent = (state, next_state, self._recent[0])
+        self._recent = (step[1], step[4], self._recent[0])
         self._last_numbering = numbering
         if self._stop is not None:
-            self._last = (state, step[2], step[3], next_state, step[6])
+            self._last = step
 
     def follow(
         self, name: str, form: HeldTable, table: Any, initial: Doubles, others: Mapping[str, str]
@@ -285,9 +272,7 @@ class Recorder:
         self._add_changes(max(number - 1, 0), before)
         self.after(step, numbering)
         self._add_changes(number, changes)
-        if self._last is not None:
-            self._look_at_stop(StepSeen(*self._last, changes), is_end=is_end)
-        self._last = None
+        self._look_at_stop(changes, is_end=is_end)
 
     def end(self) -> None:
         """Report the last changes, and the end."""
@@ -461,11 +446,12 @@ class Recorder:
         actions = 1 if self._numbering is None else self._numbering.actions
         self._stop = None if said is None else StopConditions(said, actions)
 
-    def _look_at_stop(self, step: StepSeen, *, is_end: bool) -> None:
-        if self._stop is not None:
-            self._met = self._stop.met_by(step, self._row, is_end=is_end)
+    def _look_at_stop(self, changes: Sequence[float], *, is_end: bool) -> None:
+        if self._stop is not None and self._last is not None:
+            self._met = self._stop.met_by(self._last, changes, self._row, is_end=is_end)
             if self._met is not None:
                 self._stop = None
+        self._last = None
 
     def _row(self, state: int) -> Sequence[float]:
         table = self._late_form if self._tracker is None else self._tracker

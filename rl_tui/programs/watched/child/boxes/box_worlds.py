@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -13,7 +12,7 @@ from typing import Any, Final
 
 import gymnasium
 
-from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, Puts, Seen
+from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, LateReports, Seen
 from rl_tui.programs.watched.child.boxes.sites import Sites
 from rl_tui.programs.watched.child.boxes.table_steps import TableSteps
 from rl_tui.programs.watched.child.environments.making import Making, id_of
@@ -22,7 +21,7 @@ from rl_tui.programs.watched.child.environments.watched_env import StepReports
 from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.search import rank
 from rl_tui.programs.watched.child.worlds.first_steps import FEW_STEPS, step_of
-from rl_tui.programs.watched.child.worlds.met import MOST_STATES, MetNumbering, UnfitError
+from rl_tui.programs.watched.child.worlds.met import MOST_STATES, UnfitError
 from rl_tui.programs.watched.messages import MessageKind
 
 _MOST_HELD: Final = 5_000
@@ -36,8 +35,6 @@ _OF_OTHERS: Final = (
     "{}: rl-tui reads the state from the index of your table. {} is not used, because each step changes "
     "actions that were not taken"
 )
-_UNKNOWN: Final = "unknown"
-"""Name of a state that no index shows."""
 
 
 @dataclass
@@ -50,29 +47,26 @@ class _Pending:
     """What each table showed after it."""
 
 
-class BoxReports(Puts, StepReports):
-    """Reports the steps of the environment `name`, once a table is found."""
+class BoxReports(LateReports, StepReports):
+    """Reports the steps of an environment with `actions`, once a table is found."""
 
     def __init__(
         self,
-        name: str,
-        actions: int,
+        env: gymnasium.Env[Any, Any],
         recorder: Recorder,
-        announce: Callable[[MetNumbering], int],
+        making: Making,
         note: Callable[[str], None],
         wanted: str | None,
     ) -> None:
-        super().__init__(-1, Numbering((MOST_STATES,), (0,), False, actions, 0), recorder)
-        self._name, self._announce, self._note, self._wanted = name, announce, note, wanted
+        actions = int(env.action_space.n)
+        StepReports.__init__(self, -1, Numbering((MOST_STATES,), (0,), False, actions, 0), recorder)
+        LateReports.__init__(self, recorder, making, note, wanted)
+        self._name, self._lost = id_of(env), f"{id_of(env)} is no longer watched"
+        self._time_limit = (0 if env.spec is None else env.spec.max_episode_steps) or 0
         self._candidates: dict[str, IndexedTable] = {}
-        self._table: IndexedTable | None = None
-        self._pending: deque[_Pending] = deque()
         self._began = monotonic()
-        self._episode = -1
         self._next_state: int | None = None
         """State after the last reported step."""
-        self.is_over = False
-        """True if no further step is reported."""
 
     def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
         """Take a step, once permitted, and keep it."""
@@ -168,12 +162,9 @@ class BoxReports(Puts, StepReports):
             return
         usable.sort(key=lambda each: (rank(each.name.split(".")[-1], each.table), -each.right))
         self._candidates = {each.name: each for each in usable}
-        self._table = table = usable[0]
-        self.number = self._announce(table.numbering)
-        assert table.form is not None
-        assert table.initial is not None
+        table = usable[0]
         others = {each.name: each.form.name for each in usable[1:] if each.form is not None}
-        self._recorder.follow(table.name, table.form, table.table, table.initial, others)
+        self._follow(self._name, table, others, self._time_limit)
         self._recorder.channel.message(MessageKind.LINES, lines=table.lines)
         for step, after in pairwise(list(self._pending)[:-1]):
             self._judge(step, after)
@@ -194,40 +185,20 @@ class BoxReports(Puts, StepReports):
         except UnfitError:
             return None
 
-    def _report_until(self, left: int, frame: Any, method: str) -> None:
+    def _report(self, step: _Pending) -> None:
         assert self._table is not None
-        numbering = self._table.numbering
-        self._recorder.before(frame, numbering, method)
-        while len(self._pending) > left:
-            step = self._pending.popleft()
-            self._report(step, self._pending[0] if self._pending and self._pending[0].place else None)
-            self._recorder.before(frame, numbering, method)
-
-    def _report(self, step: _Pending, after: _Pending | None) -> None:
-        table = self._table
-        assert table is not None
-        seen = step.seen.get(table.name, Seen())
-        if step.place == 0 or self._episode < 0:
+        seen = step.seen.get(self._table.name, Seen())
+        after = self._pending[0] if self._pending and self._pending[0].place else None
+        if step.place == 0:
             self._next_state = None
-            self._episode = self._recorder.begin_episode()
         state = self._state(step)
         if state is None:
             state = self._next_state
         self._next_state = None if after is None else self._state(after)
         if self._next_state is None:
-            self._next_state = table.next_state(seen)
-        try:
-            state, next_state = (
-                table.numbering.state(_UNKNOWN) if each is None else each
-                for each in (state, self._next_state)
-            )
-        except UnfitError as why:
-            self._note(f"{self._name} is no longer watched: {why}")
-            self._drop()
-            return
-        told = (self.number, state, step.action, step.reward, next_state, step.flags)
-        whole = (*told, self._episode, step.place)
-        self._recorder.after_late(whole, table.numbering, seen.before, seen.changes, is_end=after is None)
+            self._next_state = self._table.next_state(seen)
+        told = step.action, step.reward, step.flags, step.place
+        self._tell((state, self._next_state), told, seen, is_end=after is None)
 
 
 class BoxWorlds:
@@ -263,23 +234,10 @@ class BoxWorlds:
         name, actions = id_of(env), env.action_space
         is_free = self._reports is None or not (self._reports.is_used or self._name == name)
         if is_free and isinstance(actions, gymnasium.spaces.Discrete) and actions.start == 0:
-            time_limit = (0 if env.spec is None else env.spec.max_episode_steps) or 0
             self.sites.begin()
             self._name = name
-            self._reports = BoxReports(
-                name,
-                int(actions.n),
-                self._recorder,
-                lambda numbering: self._announce(name, numbering, time_limit),
-                self._note,
-                self._wanted,
-            )
+            self._reports = BoxReports(env, self._recorder, self._making, self._note, self._wanted)
         return self._reports if self._name == name else None
-
-    def _announce(self, name: str, numbering: MetNumbering, time_limit: int) -> int:
-        number = self._making.announce_own(name, numbering, time_limit)
-        self._making.tell_names(number, numbering)
-        return number
 
     def _before_put(self, site: int) -> None:
         (self._reports or self.table_steps).before_put(site, self.sites, sys._getframe(1))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import prod
 from types import FrameType
@@ -10,6 +12,8 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.programs.watched.child.boxes.sites import Index, IndexSite, Sites
+from rl_tui.programs.watched.child.environments.making import Making
+from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.keyed_table import form_of, sizes_of
 from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError
@@ -22,6 +26,8 @@ _MOST_IN_ORDER: Final = 2_000
 """Largest number of states to number at once."""
 _MOST_WRONG: Final = 0.02
 """Most assignments with another action, for each with that of its step."""
+_UNKNOWN: Final = "unknown"
+"""Name of a state that no index shows."""
 ReadPlace = tuple[int, int]
 """A site, and an index that its function reads."""
 
@@ -41,13 +47,25 @@ class Seen:
     changes: list[float] = field(default_factory=list)
 
 
-class Puts:
-    """Compares the rows of a table around each assignment."""
+class LateReports:
+    """Reports steps that assignments to a table show, each once the next one is known."""
 
-    _wanted: str | None = None
-    """Name of the table, if given by the user."""
-    _open: tuple[int, IndexedTable, set[int], Seen] | None = None
-    """The assignment that the program is making: its site, table, and states with what they showed."""
+    _lost = "the table is no longer followed"
+
+    def __init__(
+        self, recorder: Recorder, making: Making, note: Callable[[str], None], wanted: str | None
+    ) -> None:
+        self._recorder, self._making, self._note = recorder, making, note
+        self._wanted = wanted
+        """Name of the table, if given by the user."""
+        self._table: IndexedTable | None = None
+        self._pending: deque[Any] = deque()
+        """Steps that are not reported yet."""
+        self._open: tuple[int, IndexedTable, set[int], Seen] | None = None
+        """The assignment that the program is making: its site, table, and states with what they showed."""
+        self.number, self._episode = -1, -1
+        self.is_over = False
+        """True if no further step is reported."""
 
     def wants(self, index: Index) -> bool:
         """Return True if this table may be followed."""
@@ -61,6 +79,49 @@ class Puts:
             if table.form is not None:
                 seen.changes += table.form.differences(table.table, states)
         self._open = None
+
+    def _follow(self, name: str, table: IndexedTable, others: Mapping[str, str], time_limit: int = 0) -> None:
+        """Report the world `name` and its table. `others` has the forms of other tables."""
+        assert table.form is not None
+        assert table.initial is not None
+        self._table = table
+        self.number = self._making.announce_own(name, table.numbering, time_limit)
+        self._making.tell_names(self.number, table.numbering)
+        self._recorder.follow(table.name, table.form, table.table, table.initial, others)
+
+    def _report_until(self, left: int, frame: FrameType | None, method: str = "step") -> None:
+        """Report all but `left` steps, each once permitted."""
+        assert self._table is not None
+        numbering = self._table.numbering
+        self._recorder.before(frame, numbering, method)
+        while len(self._pending) > left and not self.is_over:
+            self._report(self._pending.popleft())
+            self._recorder.before(frame, numbering, method)
+
+    def _report(self, step: Any) -> None:
+        raise NotImplementedError
+
+    def _tell(
+        self,
+        states: tuple[int | None, int | None],
+        step: tuple[int, float, int, int],
+        seen: Seen,
+        *,
+        is_end: bool,
+    ) -> None:
+        """Report a step between two `states`, None if unknown, by its action, reward, flags and place."""
+        assert self._table is not None
+        numbering, (action, reward, flags, place) = self._table.numbering, step
+        try:
+            state, after = (numbering.state(_UNKNOWN) if each is None else each for each in states)
+        except UnfitError as why:
+            self._note(f"{self._lost}: {why}")
+            self.is_over = True
+            return
+        if place == 0 or self._episode < 0:
+            self._episode = self._recorder.begin_episode()
+        told = (self.number, state, action, reward, after, flags, self._episode, place)
+        self._recorder.after_late(told, numbering, seen.before, seen.changes, is_end=is_end)
 
 
 class IndexedTable:

@@ -9,14 +9,13 @@ from itertools import pairwise
 from types import FrameType
 from typing import Final
 
-from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, Puts, Seen
+from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, LateReports, Seen
 from rl_tui.programs.watched.child.boxes.sites import IndexSite, Sites
 from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.keyed_table import shape_of
 from rl_tui.programs.watched.child.tables.search import rank
 from rl_tui.programs.watched.child.worlds.first_steps import FEW_STEPS
-from rl_tui.programs.watched.child.worlds.met import UnfitError
 
 _NAME: Final = "world of {}"
 _CHOSEN: Final = "each assignment to {} counts as a step of the program"
@@ -39,7 +38,7 @@ class _Put:
     """States that were read beside it, by their places in the function."""
 
 
-class TableSteps(Puts):
+class TableSteps(LateReports):
     """Reports assignments to a table as steps, once it is known which index is the next state."""
 
     def __init__(
@@ -51,33 +50,28 @@ class TableSteps(Puts):
         note: Callable[[str], None],
         wanted: str | None,
     ) -> None:
-        self._recorder, self._making = recorder, making
+        super().__init__(recorder, making, note, wanted)
         self._has_reports, self._has_steps = has_reports, has_steps
-        self._note, self._wanted = note, wanted
         self._tables: dict[str, IndexedTable] = {}
-        self._puts: deque[_Put] = deque()
         self._reads: dict[int, int] = {}
         """The place of the read next state, for each function."""
-        self._table: IndexedTable | None = None
-        self._number = self._episode = self._place = 0
-        self._others = 0
-        self._is_over = False
+        self._place = self._others = 0
 
     def before_put(self, site: int, sites: Sites, frame: FrameType) -> None:
         """Read an assignment that is about to be made."""
         self._open = None
         at = sites[site]
         reward = None
-        if at.has_action and not self._is_over:
+        if at.has_action and not self.is_over:
             reward = 0.0 if at.is_called else at.reward(frame)
         if reward is None or not self.wants(at.index):
             return
         table = self._tables.get(at.index.name)
         if self._table is None:
-            self._is_over = self._has_reports() or len(self._puts) >= _MOST_HELD
-            if self._is_over:
+            self.is_over = self._has_reports() or len(self._pending) >= _MOST_HELD
+            if self.is_over:
                 return
-            if len(self._puts) >= FEW_STEPS and not self._has_steps():
+            if len(self._pending) >= FEW_STEPS and not self._has_steps():
                 self._choose(frame)
             table = table or self._table_at(sites, site, frame)
         if table is None or self._table not in (None, table) or self._is_of_another(table, at, frame):
@@ -88,9 +82,9 @@ class TableSteps(Puts):
             return
         reads = {place: state for (_, place), state in seen.reads.items()}
         put = _Put(table.name, id(at.reads), table.numbering.state(seen.key), reward, seen, reads)
+        self._pending.append(put)
         if self._table is not None:
-            self._report_until(0, put, frame)
-        self._puts.append(put)
+            self._report_until(1, frame)
         self._open = site, table, states, seen
 
     def after_put(self, site: int, sites: Sites, frame: FrameType) -> None:
@@ -100,16 +94,16 @@ class TableSteps(Puts):
         if is_open and sites[site].is_called:
             reward = sites[site].reward(frame)
             if reward is None:
-                self._puts.pop()
+                self._pending.pop()
             else:
-                self._puts[-1].reward = reward
+                self._pending[-1].reward = reward
 
     def finish(self) -> None:
         """Report the last steps."""
         if self._table is None and not self._has_reports():
             self._choose(None)
-        if self._table is not None and not self._is_over:
-            self._report_until(0, None, None)
+        if self._table is not None and not self.is_over:
+            self._report_until(0, None)
 
     def _is_of_another(self, table: IndexedTable, site: IndexSite, frame: FrameType) -> bool:
         is_same = table.table is None or site.index.table(frame) is table.table
@@ -131,47 +125,28 @@ class TableSteps(Puts):
 
     def take_over(self, frame: FrameType | None) -> bool:
         """Report in place of a world without a table. Return False without one here."""
-        if self._table is None and not (self._is_over or self._has_reports()):
+        if self._table is None and not (self.is_over or self._has_reports()):
             self._choose(frame)
         return self._table is not None
 
     def _choose(self, frame: FrameType | None) -> None:
         tables = [each for each in self._tables.values() if each.form is not None]
         for table in sorted(tables, key=lambda each: rank(each.name.split(".")[-1], each.table)):
-            puts = [each for each in self._puts if each.name == table.name]
+            puts = [each for each in self._pending if each.name == table.name]
             reads = _next_state_reads(puts)
-            if reads and table.form is not None and table.initial is not None:
-                self._puts, self._reads, self._table = deque(puts), reads, table
-                self._number = self._making.announce_own(_NAME.format(table.name), table.numbering)
+            if reads:
+                self._pending, self._reads = deque(puts), reads
                 self._note(_CHOSEN.format(table.name))
-                self._recorder.follow(table.name, table.form, table.table, table.initial, {})
-                self._making.tell_names(self._number, table.numbering)
-                self._report_until(1, None, frame)
+                self._follow(_NAME.format(table.name), table, {})
+                self._report_until(1, frame)
                 return
 
-    def _report_until(self, left: int, after: _Put | None, frame: FrameType | None) -> None:
-        """Report all but `left` steps, each once permitted. `after` follows them."""
-        assert self._table is not None
-        numbering = self._table.numbering
-        self._recorder.before(frame, numbering, "step")
-        while len(self._puts) > left:
-            put = self._puts.popleft()
-            following = self._puts[0] if self._puts else after
-            read = put.reads.get(self._reads.get(put.function, -1))
-            try:
-                next_state = numbering.state("unknown") if read is None else read
-            except UnfitError as why:
-                self._note(f"the table is no longer followed: {why}")
-                self._is_over = True
-                return
-            if self._place == 0:
-                self._episode = self._recorder.begin_episode()
-            is_end, seen = following is None or following.state != next_state, put.seen
-            told = (self._number, put.state, seen.action, put.reward, next_state, 0)
-            step = (*told, self._episode, self._place)
-            self._place = 0 if is_end else self._place + 1
-            self._recorder.after_late(step, numbering, seen.before, seen.changes, is_end=is_end)
-            self._recorder.before(frame, numbering, "step")
+    def _report(self, step: _Put) -> None:
+        next_state = step.reads.get(self._reads.get(step.function, -1))
+        is_end = not self._pending or self._pending[0].state != next_state
+        told = step.seen.action, step.reward, 0, self._place
+        self._tell((step.state, next_state), told, step.seen, is_end=is_end)
+        self._place = 0 if is_end else self._place + 1
 
 
 def _next_state_reads(puts: list[_Put]) -> dict[int, int]:
