@@ -16,7 +16,7 @@ from rl_tui.programs.watched.child.channel import Channel, Gate
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file, users_place
 from rl_tui.programs.watched.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
-from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
+from rl_tui.programs.watched.child.tables.forms import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.search import TableCandidate, attributes, candidates, turned_table
 from rl_tui.programs.watched.child.tables.tracker import TableTracker, tracker_of
 from rl_tui.programs.watched.messages import MessageKind
@@ -173,7 +173,6 @@ def _best(numbers: Sequence[float]) -> list[int]:
 
 _LOOKED_CLOSELY: Final = 200  # first steps, each with a search for the table
 _THEN_EVERY: Final = 1.05  # growth of the interval between later searches
-_NUMBERS: Final = 3  # of each difference
 _MOST_TRACES: Final = 2  # times that lines are traced, while too few were found
 _MOST_REBOUND: Final = 1_000  # messages about another object
 _MANY_THREADS: Final = "several threads take steps, so rl-tui cannot match changes of the table with steps"
@@ -335,7 +334,7 @@ class Recorder:
             found = tracker.differences(frame, states, at_reset=at_reset)
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
             return self._lose_table(tracker)
-        if len(found) == _NUMBERS and self._traces_left <= 0:  # one cell, the usual case
+        if len(found) == _CHANGE and self._traces_left <= 0:  # one cell, the usual case
             self.channel.changes += (self.count - 1 if self.count else 0, *found)
         elif found:
             self._tell_changes(found, tracker)
@@ -406,7 +405,7 @@ class Recorder:
             self._traces_left -= 1
             self._trace.begin(TRACED_AT_FIRST)
         step = max(self.count - 1, 0)
-        if len(found) == _NUMBERS:  # one cell, the usual case, even if each step makes a new table
+        if len(found) == _CHANGE:  # one cell, the usual case, even if each step makes a new table
             self.channel.changes += (step, *found)
         else:
             self._add_changes(step, found)
@@ -418,8 +417,8 @@ class Recorder:
                 self.channel.message(MessageKind.SHARED, step=step)
 
     def _add_changes(self, step: int, found: Sequence[float]) -> None:
-        for place in range(0, len(found), _NUMBERS):
-            self.channel.changes += (step, *found[place : place + _NUMBERS])
+        for place in range(0, len(found), _CHANGE):
+            self.channel.changes += (step, *found[place : place + _CHANGE])
 
     def _tell_numbers(self, frame: FrameType | None) -> None:
         self._next_numbers = 20 + self.count * 10

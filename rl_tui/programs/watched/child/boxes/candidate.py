@@ -14,7 +14,7 @@ import numpy as np
 from rl_tui.programs.watched.child.boxes.sites import Index, IndexSite, Sites
 from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
+from rl_tui.programs.watched.child.tables.forms import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.keyed_table import form_of, sizes_of
 from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError
 

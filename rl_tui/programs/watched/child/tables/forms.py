@@ -1,4 +1,4 @@
-"""Numbers, rows and arrays of a table.
+"""The interface of a table's forms, its numbers, and arrays.
 
 Reading calls nothing of the user's: no property, no method of a user's class, no `__getitem__` that would add
 an entry. `isinstance` may ask an object for its `__class__`, so types are compared instead.
@@ -6,13 +6,15 @@ an entry. `isinstance` may ask an object for its `__class__`, so types are compa
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from struct import Struct
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
-from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
+from rl_tui.programs.watched.child.environments.numbering import Numbering
 
 # Rows and numbers
 
@@ -54,6 +56,70 @@ def add_differences(first_cell: int, pairs: Iterable[tuple[float, float]], found
     for cell, (before, after) in enumerate(pairs, first_cell):
         if before != after and (before == before or after == after):  # two NaN count as equal
             found += (cell, before, after)
+
+
+def differences_of(before: Doubles, after: Doubles) -> list[float]:
+    """Return the differences of two tables, `[S·A]`."""
+    cells = np.flatnonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
+    found: list[float] = np.column_stack((cells, before[cells], after[cells])).ravel().tolist()
+    return found
+
+
+# A form
+
+
+Doubles = npt.NDArray[np.float64]
+_FEW: Final = 64  # cells of a small table
+
+
+class HeldTable(ABC):
+    """A table as last seen: `[S·A]` numbers, NaN for missing entries.
+
+    Differences are flat lists of cell, old value and new value.
+    """
+
+    name: str
+
+    def __init__(self, numbering: Numbering) -> None:
+        self.numbering = numbering
+        self.actions = numbering.actions
+        self.cells = numbering.states * numbering.actions
+        self.is_compared_whole = self.cells <= _FEW
+        """True if `differences` compares the whole table each time."""
+
+    @abstractmethod
+    def take(self, table: Any) -> None:
+        """Store the content of `table`."""
+        ...
+
+    @abstractmethod
+    def values(self) -> Doubles:
+        """Return the stored content."""
+        ...
+
+    @abstractmethod
+    def row(self, state: int) -> Sequence[float]:
+        """Return the stored row of `state`, `[A]`."""
+        ...
+
+    @abstractmethod
+    def differences(self, table: Any, states: Iterable[int]) -> list[float]:
+        """Return and store the changes in the rows of `states`."""
+        ...
+
+    @abstractmethod
+    def all_differences(self, table: Any) -> list[float]:
+        """Return and store all changes."""
+        ...
+
+    @abstractmethod
+    def peek(self, table: Any, state: int) -> object:
+        """Return the current row in a comparable form, or None."""
+        ...
+
+    def rows_are_shared(self, table: Any) -> bool:
+        """Return True if rows are the same object."""
+        return False
 
 
 # Arrays
@@ -126,11 +192,9 @@ class ArrayTable(HeldTable):
         )
 
     def _compare_all(self, now: bytes) -> list[float]:
-        before, after = self.values(), np.frombuffer(now, self._dtype).astype(np.float64)
-        cells = np.flatnonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
+        before = self.values()
         self._kept[:] = now
-        found: list[float] = np.column_stack((cells, before[cells], after[cells])).ravel().tolist()
-        return found
+        return differences_of(before, self.values())
 
     def _decoded(self, row: bytes | bytearray) -> Sequence[float]:
         numbers: list[float] = np.frombuffer(row, self._dtype).tolist()

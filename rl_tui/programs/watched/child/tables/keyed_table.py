@@ -16,12 +16,13 @@ from rl_tui.programs.watched.child.tables.forms import (
     MOST_CELLS,
     NAN,
     ArrayTable,
+    Doubles,
+    HeldTable,
     add_differences,
     is_entry,
     is_number,
     number_of,
 )
-from rl_tui.programs.watched.child.tables.held_table import Doubles, HeldTable
 from rl_tui.programs.watched.child.worlds.met import MOST_ACTIONS, MetNumbering, key_of, parts_of
 
 _MOST_EXAMPLES: Final = 8

@@ -17,7 +17,7 @@ import numpy as np
 
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file
-from rl_tui.programs.watched.child.tables.held_table import HeldTable
+from rl_tui.programs.watched.child.tables.forms import HeldTable
 from rl_tui.programs.watched.child.tables.keyed_table import form_of
 
 MISSING: Final = object()

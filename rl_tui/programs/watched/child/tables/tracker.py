@@ -8,8 +8,7 @@ from types import FrameType
 from typing import Any, Final
 
 from rl_tui.programs.watched.child.environments.numbering import Numbering
-from rl_tui.programs.watched.child.tables.forms import add_difference
-from rl_tui.programs.watched.child.tables.held_table import Doubles
+from rl_tui.programs.watched.child.tables.forms import Doubles, add_difference, differences_of
 from rl_tui.programs.watched.child.tables.keyed_table import form_of
 from rl_tui.programs.watched.child.tables.search import (
     MISSING,
@@ -118,18 +117,9 @@ class TableTracker:
         self.table = table
         if type(form) is type(self.form) and form.name == self.form.name and form.name != "array":
             return self.form.all_differences(table)
-        return self._bind_form(form, table)
-
-    def _bind_form(self, form: Any, table: Any) -> list[float]:
-        import numpy as np
-
-        before = self.form.values()
+        before, self.form = self.form.values(), form
         form.take(table)
-        self.form = form
-        after = form.values()
-        cells = np.flatnonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
-        found: list[float] = np.column_stack((cells, before[cells], after[cells])).ravel().tolist()
-        return found
+        return differences_of(before, form.values())
 
     def _read(self, frame: FrameType | None) -> Any:
         if self.way.frame is not None and not self._is_running(frame):
