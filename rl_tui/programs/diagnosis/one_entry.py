@@ -55,8 +55,8 @@ def _named(trial: Trial) -> Trial | None:
     telling = _inner(trial) & trial.informative
     departs = telling & is_above.any(1)
     known = departs | (telling & (is_read.sum(1) == 1))
-    actions, states = sample.evidence.actions, len(sample.evidence.initial) // sample.evidence.actions
-    shape = (states, actions)
+    states = sample.evidence.states
+    shape = (states, sample.evidence.actions)
     excluded, read, departing = np.zeros(shape, np.int64), np.zeros(shape, np.int64), np.zeros(states, int)
     np.add.at(excluded, sample.next_state[departs], is_above[departs])
     alone = known & (is_read.sum(1) == 1)

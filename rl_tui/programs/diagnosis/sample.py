@@ -12,6 +12,7 @@ from rl_tui.programs.evidence.verdict import MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
+    from rl_tui.programs.diagnosis.step_story import TableBefore
     from rl_tui.programs.evidence.evidence import Evidence
 
 EXACT: Final = 1e-8
@@ -38,7 +39,7 @@ class ReadEstimates:
         next_action: Action taken next, −1 if unknown, `[n]`.
     """
 
-    evidence: Evidence
+    evidence: Evidence | TableBefore
     at: IntArray
     state: IntArray
     action: IntArray
@@ -99,8 +100,7 @@ class ReadEstimates:
 
     def _with_column(self) -> IntArray:
         """Return the steps for which the maximum of a column is computed."""
-        evidence = self.evidence
-        return np.arange(len(self))[: _MOST_CELLS * evidence.actions // max(len(evidence.initial), 1)]
+        return np.arange(len(self))[: _MOST_CELLS // max(self.evidence.states, 1)]
 
 
 def _of_actions(rows: FloatArray, action: IntArray) -> FloatArray:
@@ -124,6 +124,7 @@ class Sample(ReadEstimates):
         ended: True if the step terminated, `[n]`.
     """
 
+    evidence: Evidence
     place: MovedCell
     old: FloatArray
     new: FloatArray
@@ -163,8 +164,7 @@ class Sample(ReadEstimates):
         return np.where((values == values[:, :1]).all(1), values[:, 0], np.nan)
 
     def _with_column(self) -> IntArray:
-        states = len(self.evidence.initial) // self.evidence.actions
-        return np.flatnonzero(self.change)[: max(50, _MOST_CELLS_OF_A_SAMPLE // max(states, 1))]
+        return np.flatnonzero(self.change)[: max(50, _MOST_CELLS_OF_A_SAMPLE // max(self.evidence.states, 1))]
 
 
 def sample_of(evidence: Evidence, place: MovedCell) -> Sample:

@@ -7,9 +7,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
-from rl_tui.programs.watched.recording import Recording, StepColumns
-from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.programs.diagnosis.sample import ReadEstimates
+from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound
+from rl_tui.programs.watched.recording import Recording
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 NOTHING: Final = -1
 _NEAR: Final = 1e-5
@@ -51,16 +52,27 @@ class StepUpdate:
         return self.step_size is not None
 
 
-class _Moment(NamedTuple):
-    """A step with the table before it, `[S, A]`. `state` is the one that its target may read."""
+@dataclass(frozen=True, slots=True)
+class TableBefore:
+    """The table before the step, `[S, A]`, in place of the evidence of many steps."""
 
     table: FloatArray
-    action: int
-    reward: float
-    state: int
-    next_action: int
-    own_state: int
-    ended: bool
+
+    @property
+    def states(self) -> int:
+        """S."""
+        return len(self.table)
+
+    def rows(self, state: IntArray, _: IntArray) -> FloatArray:
+        """Return the rows of `state`."""
+        return self.table[state]
+
+    other_rows = rows  # there is no other table
+
+    def column_maxima(self, action: IntArray, _: IntArray) -> FloatArray:
+        """Return the maximum over states for `action`."""
+        maxima: FloatArray = self.table[:, action].max(0)
+        return maxima
 
 
 def update_of_step(
@@ -85,7 +97,10 @@ def update_of_step(
         )
     )
     moved = tuple(each for each in moved if each.before != each.after)
-    cell = _cell(steps, place, recording.actions, update.place)
+    of = place - 1 if update.place is MovedCell.ONE_LATE else place  # the step whose cell moves
+    state = steps.next_state[of] if update.place is MovedCell.MOVED else steps.state[of]
+    is_known = of == place or (of >= 0 and steps.episode[of] == steps.episode[place])
+    cell = int(state) * recording.actions + int(steps.action[of]) if is_known else NOTHING
     if len(moved) > 1 or (moved and cell != moved[0].cell) or not 0 <= cell < len(table):
         only = moved[0] if len(moved) == 1 else None
         return StepUpdate(step, moved, *(only or (NOTHING, 0.0, 0.0)))
@@ -94,45 +109,29 @@ def update_of_step(
     is_unknown = update.rule is Rule.UNKNOWN and update.alpha_schedule is None
     if is_unknown or update.rule is Rule.MONTE_CARLO or recording.initial_pair is not None:
         return bare
-    moment = _moment(recording, place, update, table.reshape(-1, recording.actions))
-    return _with_parts(bare, update, moment) if moment else bare
+    return _with_parts(bare, recording, of, update, table.reshape(-1, recording.actions))
 
 
-def _cell(steps: StepColumns, place: int, actions: int, where: MovedCell) -> int:
-    if where is MovedCell.ONE_LATE:
-        if place == 0 or steps.episode[place - 1] != steps.episode[place]:
-            return NOTHING
-        place -= 1
-    state = steps.next_state[place] if where is MovedCell.MOVED else steps.state[place]
-    return int(state) * actions + int(steps.action[place])
-
-
-def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatArray) -> _Moment | None:
+def _with_parts(
+    bare: StepUpdate, recording: Recording, of: int, update: UpdateFound, table: FloatArray
+) -> StepUpdate:
     steps = recording.steps
-    of = place - 1 if update.place is MovedCell.ONE_LATE else place  # the step whose cell moves
     reward_of = of - 1 if update.uses_reward_before else of
     if of < 0 or (reward_of < 0 and recording.first > 0):
-        return None
+        return bare
     goes_on = of + 1 < len(steps.state) and steps.episode[of + 1] == steps.episode[of]
-    return _Moment(
-        table,
-        int(steps.action[of]),
-        float(steps.reward[reward_of]) if reward_of >= 0 else 0.0,
-        int(steps.next_state[of]),
-        int(steps.action[of + 1]) if goes_on else NOTHING,
-        int(steps.state[of]),
-        bool(steps.terminated[of]),
+    state, ended = int(steps.next_state[of]), bool(steps.terminated[of])
+    reads = (steps.state[of], steps.action[of], state, steps.action[of + 1] if goes_on else NOTHING)
+    estimates = ReadEstimates(
+        TableBefore(table), np.zeros(1, np.int64), *(np.array([each]) for each in reads)
     )
-
-
-def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepUpdate:
-    gamma = update.gamma if update.gamma is not None else 0.0
-    values = _values(update, moment)
-    if moment.ended:  # some programs bootstrap there anyway
+    values = estimates.values(update.target, update.epsilon)[0].tolist()
+    if ended:  # some programs bootstrap there anyway
         values = [0.0, *values]
-    change = bare.after - bare.before
+    gamma = update.gamma if update.gamma is not None else 0.0
+    reward, change = float(steps.reward[reward_of]) if reward_of >= 0 else 0.0, bare.after - bare.before
     for value in values:
-        whole = moment.reward + gamma * value
+        whole = reward + gamma * value
         alpha = update.alpha
         if alpha is None:
             alpha = change / (whole - bare.before) if whole != bare.before else 0.0
@@ -147,10 +146,10 @@ def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepU
                 bare,
                 step_size=alpha,
                 gamma=gamma,
-                gathered=whole - gamma * value if update.reward == "own" else moment.reward,
+                gathered=whole - gamma * value if update.reward == "own" else reward,
                 discount=gamma,
                 bootstrap=value,
-                bootstrap_state=NOTHING if moment.ended and value == 0.0 else moment.state,
+                bootstrap_state=NOTHING if ended and value == 0.0 else state,
             )
     return bare
 
@@ -159,30 +158,3 @@ def _possible(alpha: float, update: UpdateFound) -> bool:
     if not 0.0 < alpha <= 1.0 + _NEAR:
         return False
     return update.alpha_schedule != "1/N" or abs(1 / alpha - round(1 / alpha)) <= _NEAR / alpha
-
-
-def _values(update: UpdateFound, moment: _Moment) -> list[float]:
-    row = moment.table[moment.state]
-    best = float(row.max())
-    match update.target:
-        case UpdateTarget.NEXT_ACTION:
-            if moment.next_action == NOTHING:
-                return [float(each) for each in row]
-            return [float(row[moment.next_action])]
-        case UpdateTarget.ALLOWED | UpdateTarget.DRAWN:
-            return [float(each) for each in row]
-        case UpdateTarget.EXPECTED if update.epsilon is not None:
-            return [best + update.epsilon * (float(row.mean()) - best)]
-        case UpdateTarget.EXPECTED:
-            return []
-        case UpdateTarget.COLUMN:
-            return [float(moment.table[:, moment.action].max())]
-        case UpdateTarget.SAME_ACTION:
-            return [float(row[moment.action])]
-        case UpdateTarget.OWN_STATE:
-            return [float(moment.table[moment.own_state].max())]
-        case UpdateTarget.INDEX:
-            return [float(row.argmax())]
-        case UpdateTarget.NOTHING:
-            return [0.0]
-    return [best]

@@ -142,8 +142,7 @@ def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str,
 
 def _transitions(sample: Sample) -> IntArray:
     _, reward = np.unique(sample.reward, return_inverse=True)
-    states = len(sample.evidence.initial) // sample.evidence.actions
-    whole = (sample.cell * states + sample.next_state) * 2 + sample.ended
+    whole = (sample.cell * sample.evidence.states + sample.next_state) * 2 + sample.ended
     rewards = int(reward.max(initial=0)) + 1
     result: IntArray = np.unique(whole * rewards + reward.ravel(), return_inverse=True)[1].ravel()
     return result

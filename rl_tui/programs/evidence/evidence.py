@@ -106,6 +106,11 @@ class Evidence:
     def __len__(self) -> int:
         return len(self.number)
 
+    @property
+    def states(self) -> int:
+        """Number of rows of the table."""
+        return len(self.initial) // self.actions
+
     def _divide(self, first: int) -> None:
         cells, changes = len(self.initial) // 2, self.changes
         at = (changes.step - first).clip(0, max(len(self) - 1, 0))
@@ -248,7 +253,7 @@ class Evidence:
 
     def column_maxima(self, action: IntArray, at: IntArray) -> FloatArray:
         """Return the maximum over states for `action`, `[n]`, before the steps `at`, `[n]`."""
-        cells = action[:, None] + self.actions * np.arange(len(self.initial) // self.actions)
+        cells = action[:, None] + self.actions * np.arange(self.states)
         steps = np.broadcast_to(self.number[at][:, None], cells.shape)
         maxima: FloatArray = self.history.before(cells, steps).max(1, initial=-np.inf)
         return maxima

@@ -138,10 +138,8 @@ def _is_one_to_one(one: IntArray, other: IntArray) -> bool:
 def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
     actions, state, action = evidence.actions, evidence.state[at], evidence.action[at]
     following, next_state = evidence.next_action[at], evidence.next_state[at]
-    initial = evidence.recording.initial
-    states = 0 if initial is None else len(initial) // actions
     has_next = following != NO_ACTION
-    fits = (state < actions) & (action < states)
+    fits = (state < actions) & (action < evidence.states)
     cells = {
         _MOVED: next_state * actions + action,
         "(a, s)": np.where(fits, action * actions + state, -1),
