@@ -19,7 +19,7 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.menu_strip import MenuRows
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.draw_panel import ToolList, ToolRow
+from rl_tui.screen.panels.draw_panel import ToolRows
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.editing.drafts import first_draft
@@ -225,10 +225,10 @@ class Mouse(Hands):
 
     async def tool(self, text: str) -> None:
         screen = self.pilot.app.screen
-        await self._click_text(text, screen.query_one(ToolList), *screen.query(ToolRow))
+        await self._click_text(text, *screen.query(ToolRows))
 
     async def of_menu(self, label: str) -> None:
-        rest = list(self.pilot.app.screen.query(ToolRow))[-1]
+        rest = list(self.pilot.app.screen.query(ToolRows))[-1]
         await self.pilot.click(rest, offset=(1, rest.size.height - 1))
         await settle(self.pilot)
         await self._click_text(label, self.pilot.app.screen.query_one(MenuRows))

@@ -19,7 +19,7 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.keys.registry import ACTIONS
-from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, ToolList, ToolSheet, fitting
+from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, ToolRows, ToolSheet, fitting
 from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
@@ -70,7 +70,7 @@ async def test_every_tool_and_every_number_is_on_screen(
     make_app: MakeApp, scenario: str, size: tuple[int, int], ascii_only: bool
 ) -> None:
     async with on_screen(make_app(scenario, ascii=ascii_only), size) as pilot:
-        assert not pilot.app.screen.query_one(ToolList).is_on_screen
+        assert not pilot.app.screen.query_one(ToolRows).is_on_screen
         await press(pilot, "w", "d")
         glyphs, text = ASCII if ascii_only else UNICODE, screen_text(pilot.app)
         tools = (*TOOLBOXES[type(snapshot(pilot).world.drawing)]().tools, *ALWAYS)
@@ -88,12 +88,12 @@ async def test_every_tool_and_every_number_is_on_screen(
             written = f"{tool.key[-1]} {tool.label}"
             assert not tool.is_in_menu or to_ascii(written, glyphs) in text, written
         await press(pilot, "escape", "escape")
-        assert not pilot.app.screen.query_one(ToolList).is_on_screen
+        assert not pilot.app.screen.query_one(ToolRows).is_on_screen
 
 
 async def test_tools_are_taken_by_a_click_by_their_names_and_by_quick_keys(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        tools, look = pilot.app.screen.query_one(ToolList), playground(pilot).look
+        tools, look = pilot.app.screen.query_one(ToolRows), playground(pilot).look
 
         def standing_out() -> list[str]:
             pieces = [each for y in range(tools.size.height) for each in tools.render_line(y)]

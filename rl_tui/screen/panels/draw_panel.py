@@ -80,20 +80,13 @@ class ToolSheet:
 
 
 @dataclass
-class ToolPressed(Touched):
-    """The user clicked a tool."""
+class SheetPressed(Touched):
+    """The user clicked a tool, by its id, or a line, by its number."""
 
-    tool: str
-
-
-@dataclass
-class LinePressed(Touched):
-    """The user clicked a line."""
-
-    line: int
+    what: str | int
 
 
-# The list of tools
+# The rows of tools
 
 
 _SIGN: Final = 3  # columns
@@ -102,122 +95,145 @@ _MOST_SPARE: Final = 4  # most spare columns between two columns of tools
 _TWO_SLIDERS: Final = 44  # columns for two sliders in a row
 
 
-class ToolList(Widget):
-    """Current tool, sentences, lines, and tools in columns."""
+class ToolLine(NamedTuple):
+    """Texts in columns, and what is pressed in which columns."""
+
+    texts: tuple[tuple[int, str, Style], ...] = ()
+    spots: tuple[tuple[range, str | int], ...] = ()
+
+
+class ToolRows(Widget):
+    """Rows of tools, sentences and lines."""
 
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
         self.look = look
-        self._sheet = ToolSheet()
-        self._is_roomy = False
+        self._rows: Sequence[ToolLine] = ()
 
-    def draw_sheet(self, sheet: ToolSheet, *, is_roomy: bool) -> None:
-        """Draw ``sheet``, spaced if ``is_roomy``."""
-        if (sheet, is_roomy) != (self._sheet, self._is_roomy):
-            self._sheet, self._is_roomy = sheet, is_roomy
+    def show(self, rows: Sequence[ToolLine]) -> None:
+        """Show ``rows``."""
+        self.styles.height = len(rows)
+        if rows != self._rows:
+            self._rows = rows
             self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Return one row."""
         canvas = Canvas(self.size.width, 1, self.look.palette.text)
-        kind, number = self._row(y)
-        if kind == "about":
-            self._put_about(canvas, number)
-        elif kind == "line":
-            self._put_line(canvas, self._sheet.lines[number])
-        elif kind == "tools":
-            columns = _columns(self._sheet.cells, self.size.width, self.look.glyphs)
-            for (x, _), cell in zip(columns, self._cells_in(number), strict=False):
-                self._put(canvas, x, cell)
+        for row in self._rows[y : y + 1]:
+            for x, text, style in row.texts:
+                canvas.put(x, 0, text, style)
         return canvas.strips()[0].apply_style(self.rich_style)
 
     def on_click(self, event: events.Click) -> None:
         """Report the clicked tool or line."""
-        kind, number = self._row(event.y)
-        if kind == "line":
-            self.post_message(LinePressed(self._sheet.lines[number].number))
-        elif kind == "tools":
-            columns = _columns(self._sheet.cells, self.size.width, self.look.glyphs)
-            for (x, width), cell in zip(columns, self._cells_in(number), strict=False):
-                if x <= event.x < x + width:
-                    self.post_message(ToolPressed(cell.id))
-
-    def _put_about(self, canvas: Canvas, number: int) -> None:
-        palette, glyphs, held, x = self.look.palette, self.look.glyphs, self._sheet.in_hand, 1
-        first, second = (palette.strong, palette.dim) if held is None else (palette.dim, palette.text)
-        style = first if number == 0 else second if number == 1 else palette.dim
-        if held is not None and number == 0:
-            if _sign_columns(canvas.width) > 1:
-                canvas.put(x, 0, _HELD, palette.dim)
-                x += len(_HELD) + 1
-            x += self._put_sign(canvas, x, held, _SIGN)
-            name = _text(held, glyphs)
-            canvas.put(x, 0, name, palette.you + Style(bold=True))
-            x += cell_len(name) + 2
-        forms = [separated(each, glyphs) for each in self._sheet.about[number]]
-        room = canvas.width - x
-        text = next((each for each in forms if cell_len(each) <= room), forms[-1])
-        canvas.put(x, 0, shortened(text, room, glyphs.ellipsis), style)
-
-    def _put_line(self, canvas: Canvas, line: SheetLine) -> None:
-        glyphs, palette = self.look.glyphs, self.look.palette
-        mark = glyphs.cursor if line.is_on else " "
-        text = shortened(to_ascii(f"{mark}{line.text}", glyphs), canvas.width, glyphs.ellipsis)
-        canvas.put(0, 0, text, palette.focus if line.is_on else palette.text)
-
-    def _put(self, canvas: Canvas, x: int, cell: ToolCell) -> None:
-        palette, glyphs = self.look.palette, self.look.glyphs
-        if _has_signs(self._sheet.cells):
-            columns = _sign_columns(self.size.width)
-            x += self._put_sign(canvas, x + (columns > 1), cell, columns) - (columns == 1)
-        key, word = to_ascii(cell.shown, glyphs), to_ascii(cell.word, glyphs)
-        if cell.refused:
-            canvas.put(x + 1, 0, _text(cell, glyphs), palette.dim)
-        elif cell.is_on:
-            canvas.put(x, 0, f" {_text(cell, glyphs)} ", palette.focus)
-        else:
-            canvas.put(x + 1, 0, key, palette.press)
-            canvas.put(x + 2 + cell_len(key), 0, word, palette.text)
-
-    def _put_sign(self, canvas: Canvas, x: int, cell: ToolCell, columns: int) -> int:
-        palette, glyphs = self.look.palette, self.look.glyphs
-        if cell.sign is not None:
-            block = Style(color=palette.wall.bgcolor) if glyphs.name != "ascii" else Style.null()
-            styles = {
-                CellKind.HOLE: palette.hole,
-                CellKind.GOAL: palette.goal,
-                CellKind.WALL: palette.wall + block,
-                CellKind.CLIFF: palette.cliff,
-            }
-            character = cell.sign.character(glyphs)
-            style = styles.get(cell.sign.kind, palette.unvisited)
-            canvas.put(x, 0, character[:columns].center(columns), style)
-        return columns + 1
-
-    def _cells_in(self, row: int) -> Sequence[ToolCell]:
-        columns = len(_columns(self._sheet.cells, self.size.width, self.look.glyphs))
-        return self._sheet.cells[row :: -(-len(self._sheet.cells) // columns)]
-
-    def _row(self, y: int) -> tuple[str, int]:
-        for kind, count in _parts(self._sheet, self.size.width, self.look.glyphs):
-            if y < count:
-                return kind, y
-            y -= count + self._is_roomy
-            if y < 0:
-                break
-        return "blank", 0
+        for row in self._rows[event.y : event.y + 1]:
+            for columns, what in row.spots:
+                if event.x in columns:
+                    self.post_message(SheetPressed(what))
 
 
-def _parts(sheet: ToolSheet, width: int, glyphs: Glyphs) -> list[tuple[str, int]]:
-    cells = -(-len(sheet.cells) // len(_columns(sheet.cells, width, glyphs)))
-    parts = (("about", len(sheet.about)), ("line", len(sheet.lines)), ("tools", cells))
-    return [(kind, count) for kind, count in parts if count]
+def sheet_rows(sheet: ToolSheet, width: int, look: Look, *, is_roomy: bool) -> list[ToolLine]:
+    """Return current tool, sentences, lines, and tools in columns, spaced if ``is_roomy``."""
+    parts = (
+        [_about(sheet, number, width, look) for number in range(len(sheet.about))],
+        [_line(line, width, look) for line in sheet.lines],
+        _in_columns(sheet.cells, width, look),
+    )
+    return [row for part in parts if part for row in (*part, *[ToolLine()] * is_roomy)]
+
+
+def row_of(cells: Sequence[ToolCell], width: int, look: Look) -> list[ToolLine]:
+    """Return the row of ``cells`` that fit, if any."""
+    widths = [cell_len(_text(cell, look.glyphs)) for cell in cells]
+    gap = 2 if sum(widths) + 2 * len(widths) <= width + 1 else 1
+    texts, spots, x = list[tuple[int, str, Style]](), list[tuple[range, str | int]](), 1
+    for cell, columns in zip(cells, widths, strict=True):
+        if x + columns > width:
+            break
+        texts += _key_and_word(x, cell, look)
+        spots.append((range(x, x + columns), cell.id))
+        x += columns + gap
+    return [ToolLine(tuple(texts), tuple(spots))] if cells else []
+
+
+def _key_and_word(x: int, cell: ToolCell, look: Look) -> tuple[tuple[int, str, Style], ...]:
+    palette, (key, word) = look.palette, (to_ascii(each, look.glyphs) for each in (cell.shown, cell.word))
+    inks = (palette.dim, palette.dim) if cell.refused else (palette.press, palette.text)
+    return (x, key, inks[0]), (x + cell_len(key) + 1, word, inks[1])
+
+
+def _about(sheet: ToolSheet, number: int, width: int, look: Look) -> ToolLine:
+    palette, glyphs, held, x = look.palette, look.glyphs, sheet.in_hand, 1
+    first, second = (palette.strong, palette.dim) if held is None else (palette.dim, palette.text)
+    style = first if number == 0 else second if number == 1 else palette.dim
+    texts = list[tuple[int, str, Style]]()
+    if held is not None and number == 0:
+        if _sign_columns(width) > 1:
+            texts.append((x, _HELD, palette.dim))
+            x += len(_HELD) + 1
+        texts += _sign(x, held, _SIGN, look)
+        x += _SIGN + 1
+        name = _text(held, glyphs)
+        texts.append((x, name, palette.you + Style(bold=True)))
+        x += cell_len(name) + 2
+    forms = [separated(each, glyphs) for each in sheet.about[number]]
+    text = next((each for each in forms if cell_len(each) <= width - x), forms[-1])
+    return ToolLine((*texts, (x, shortened(text, width - x, glyphs.ellipsis), style)))
+
+
+def _line(line: SheetLine, width: int, look: Look) -> ToolLine:
+    glyphs, palette = look.glyphs, look.palette
+    mark = glyphs.cursor if line.is_on else " "
+    text = shortened(to_ascii(f"{mark}{line.text}", glyphs), width, glyphs.ellipsis)
+    style = palette.focus if line.is_on else palette.text
+    return ToolLine(((0, text, style),), ((range(width), line.number),))
+
+
+def _in_columns(cells: Sequence[ToolCell], width: int, look: Look) -> list[ToolLine]:
+    columns = _columns(cells, width, look.glyphs)
+    rows = [ToolLine()] * -(-len(cells) // len(columns))
+    for place, cell in enumerate(cells):
+        column, row = divmod(place, len(rows))
+        x, own = columns[column]
+        texts = _in_list(x, cell, width if _has_signs(cells) else None, look)
+        before = rows[row]
+        rows[row] = ToolLine((*before.texts, *texts), (*before.spots, (range(x, x + own), cell.id)))
+    return rows
+
+
+def _in_list(x: int, cell: ToolCell, width: int | None, look: Look) -> Iterator[tuple[int, str, Style]]:
+    palette, glyphs = look.palette, look.glyphs
+    if width is not None:  # of a list with signs
+        columns = _sign_columns(width)
+        yield from _sign(x + (columns > 1), cell, columns, look)
+        x += columns + (columns > 1)
+    if cell.refused:
+        yield x + 1, _text(cell, glyphs), palette.dim
+    elif cell.is_on:
+        yield x, f" {_text(cell, glyphs)} ", palette.focus
+    else:
+        yield from _key_and_word(x + 1, cell, look)
+
+
+def _sign(x: int, cell: ToolCell, columns: int, look: Look) -> Iterator[tuple[int, str, Style]]:
+    palette, glyphs = look.palette, look.glyphs
+    if cell.sign is not None:
+        block = Style(color=palette.wall.bgcolor) if glyphs.name != "ascii" else Style.null()
+        styles = {
+            CellKind.HOLE: palette.hole,
+            CellKind.GOAL: palette.goal,
+            CellKind.WALL: palette.wall + block,
+            CellKind.CLIFF: palette.cliff,
+        }
+        style = styles.get(cell.sign.kind, palette.unvisited)
+        yield x, cell.sign.character(glyphs)[:columns].center(columns), style
 
 
 def rows_of(sheet: ToolSheet, width: int, glyphs: Glyphs, *, is_roomy: bool) -> int:
-    """Count the rows without numbers and rest."""
-    parts = _parts(sheet, width, glyphs)
-    return sum(count for _, count in parts) + (len(parts) if is_roomy else 0)
+    """Count the rows of :func:`sheet_rows`."""
+    cells = -(-len(sheet.cells) // len(_columns(sheet.cells, width, glyphs)))
+    return sum(count + is_roomy for count in (len(sheet.about), len(sheet.lines), cells) if count)
 
 
 class _Room(NamedTuple):
@@ -282,47 +298,6 @@ def _text(cell: ToolCell, glyphs: Glyphs) -> str:
     return to_ascii(f"{cell.shown} {cell.word}".strip(), glyphs)
 
 
-class ToolRow(Widget):
-    """Tools in one row."""
-
-    def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
-        super().__init__(id=id)
-        self.look = look
-        self._cells: Sequence[ToolCell] = ()
-
-    def show(self, cells: Sequence[ToolCell], *, is_apart: bool = False) -> None:
-        """Show ``cells``, after a blank row if ``is_apart``."""
-        self.styles.height = 0 if not cells else 2 if is_apart else 1
-        if cells != self._cells:
-            self._cells = cells
-            self.refresh()
-
-    def render_line(self, y: int) -> Strip:
-        """Return the row."""
-        palette, canvas = self.look.palette, Canvas(self.size.width, 1, self.look.palette.text)
-        for x, cell in self._placed() if y == self.size.height - 1 else ():
-            key, _, word = _text(cell, self.look.glyphs).partition(" ")
-            canvas.put(x, 0, key, palette.dim if cell.refused else palette.press)
-            canvas.put(x + cell_len(key) + 1, 0, word, palette.dim if cell.refused else palette.text)
-        return canvas.strips()[0].apply_style(self.rich_style)
-
-    def on_click(self, event: events.Click) -> None:
-        """Report the clicked tool."""
-        for x, cell in self._placed() if event.y == self.size.height - 1 else ():
-            if x <= event.x < x + cell_len(_text(cell, self.look.glyphs)):
-                self.post_message(ToolPressed(cell.id))
-
-    def _placed(self) -> Iterator[tuple[int, ToolCell]]:
-        widths = [cell_len(_text(cell, self.look.glyphs)) for cell in self._cells]
-        gap = 2 if sum(widths) + 2 * len(widths) <= self.size.width + 1 else 1
-        x = 1
-        for cell, width in zip(self._cells, widths, strict=True):
-            if x + width > self.size.width:
-                return
-            yield x, cell
-            x += width + gap
-
-
 # The panel
 
 
@@ -336,9 +311,9 @@ class DrawPanel(Container, BoardPanel):
         super().__init__(id=id, classes=classes)
         self.look = look
         self._sheet = ToolSheet()
-        self._tools = ToolList(look, id="tools")
-        self._of_number = ToolRow(look)
-        self._rest = ToolRow(look)
+        self._tools = ToolRows(look, id="tools")
+        self._of_number = ToolRows(look)
+        self._rest = ToolRows(look)
 
     def compose(self) -> ComposeResult:
         """Yield tools, sliders, and other tools."""
@@ -383,11 +358,10 @@ class DrawPanel(Container, BoardPanel):
             2 if number == 0 or not (is_wide or each.is_short) else 1
             for number, each in enumerate(self._sheet.numbers)
         ]
-        room = fitting(self._sheet, width, height, -(-sum(halves) // 2), self.look.glyphs)
-        self._tools.styles.height = room.tools
-        self._tools.draw_sheet(room.sheet, is_roomy=room.is_roomy)
-        self._of_number.show(room.sheet.of_number)
-        self._rest.show(room.sheet.rest, is_apart=room.is_roomy)
+        room, look = fitting(self._sheet, width, height, -(-sum(halves) // 2), self.look.glyphs), self.look
+        self._tools.show(sheet_rows(room.sheet, width, look, is_roomy=room.is_roomy))
+        self._of_number.show(row_of(room.sheet.of_number, width, look))
+        self._rest.show([*[ToolLine()] * room.is_roomy, *row_of(room.sheet.rest, width, look)])
         if self._tools.parent is not None:
             self.query_one("#world-numbers").styles.height = room.sliders
 

@@ -21,7 +21,7 @@ from rl_tui.screen.kit.pointing import PointerStroke, Touched, Wheeled
 from rl_tui.screen.kit.row import DRAW, WORLD
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.screen.panels.draw_panel import LinePressed, ToolCell, ToolPressed, ToolSheet
+from rl_tui.screen.panels.draw_panel import SheetPressed, ToolCell, ToolSheet
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.modes.action_keys import DIGITS
 from rl_tui.screen.playground.modes.arms_tools import ArmsTools
@@ -309,9 +309,9 @@ class WorldEditing(KeyMode):
                 self.toolbox.paint(desk, places)
             case Wheeled(place=place, amount=amount):
                 self.toolbox.turn(desk, place, amount)
-            case LinePressed(line):
+            case SheetPressed(int(line)):
                 self.toolbox.choose_line(desk, line)
-            case ToolPressed(name):
+            case SheetPressed(str(name)):
                 self.screen.set_focus(self.board.world)
                 self.use(name, is_clicked=True)
         self._show_picked()
