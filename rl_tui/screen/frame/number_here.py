@@ -14,7 +14,7 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw import names
 from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.number_form import number_form
-from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, exact_q, other_lane
+from rl_tui.screen.kit.layers import Layer, exact_q, other_lane
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
 from rl_tui.screen.panels.model import SECRET
 from rl_tui.screen.panels.policies.studied import policy_name
@@ -27,6 +27,7 @@ from rl_tui.worlds.drawing import Arms
 _COLUMNS: Final = 9
 _OF_POLICY: Final = "policy-value"
 _NO_VALUE: Final = "may never end, and rewards go on without a discount: there is no value."
+_EXACT: Final = "Exact: computed from the transition table."
 
 
 class NumberHere(NamedTuple):
@@ -87,16 +88,11 @@ def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Loo
     name = names.state_name(snapshot.world, state, look.glyphs)
     value = float(snapshot.agent.values[state])
     if math.isnan(value):
-        return NumberHere(
-            f"Vπ({name}): none", f"From state {name} {policy_name(kind)} {_NO_VALUE}", _OF_POLICY
-        )
+        meaning = f"From state {name} {policy_name(kind)} {_NO_VALUE}"
+        return NumberHere(f"Vπ({name}): none", meaning, _OF_POLICY)
     text = number_form([value], _COLUMNS).text(value, look.glyphs)
-    return NumberHere(
-        f"Vπ({name}) = {text}",
-        f"The expected discounted return of {policy_name(kind)} from state {name}. Exact: computed from the "
-        f"transition table, not learned. t p compares policies.",
-        _OF_POLICY,
-    )
+    meaning = f"The expected discounted return of {policy_name(kind)} from state {name}. {_EXACT[:-1]}, "
+    return NumberHere(f"Vπ({name}) = {text}", f"{meaning}not learned. t p compares policies.", _OF_POLICY)
 
 
 class _Teller:
@@ -108,146 +104,105 @@ class _Teller:
         self._is_bandit = isinstance(snapshot.world.drawing, Arms)
 
     def of_pair(self, pair: int, layer: Layer) -> NumberHere:
-        agent = self._snapshot.agent
-        name = names.pair_name(self._world, pair, self._look.glyphs)
-        q, exact = float(agent.q[pair]), None if self._exact is None else float(self._exact[0][pair])
-        estimate, optimum, error = self._written(q, exact, None if exact is None else q - exact)
-        if layer is Layer.VISITS:
-            taken = "pulled this arm" if self._is_bandit else f"taken {self._deed(pair)}"
-            return NumberHere(
-                f"N({name}) = {agent.visits[pair]:,}",
-                f"How often the agent has {taken}, counted over the run so far.",
-                "visits",
-            )
+        name, deed = names.pair_name(self._world, pair, self._look.glyphs), self._deed(pair)
+        q, exact = float(self._snapshot.agent.q[pair]), None if self._exact is None else self._exact[0][pair]
+        done, best = f"taken {deed}", f"The largest expected discounted return of {deed}."
+        whose = "The planner's value" if self._plans else "The agent's estimate"
+        about = f"{whose} of the discounted return of {deed}"
+        if self._is_bandit:
+            done, best = "pulled this arm", "The true mean reward of this arm."
+            about = "The agent's estimate of the mean reward of this arm"
         if layer is Layer.LANES and (other := other_lane(self._snapshot)) is not None:
             mine, its, gap = self._written(q, float(other.q[pair]), q - float(other.q[pair]))
-            return NumberHere(
-                f"Q({name}) − Q of {other.name} = {gap}",
-                f"The estimate here, {mine}, minus the estimate of {other.name}, {its}. Both are learned.",
-                "q",
+            meaning = (
+                f"The estimate here, {mine}, minus the estimate of {other.name}, {its}. Both are learned."
             )
+            return NumberHere(f"Q({name}) − Q of {other.name} = {gap}", meaning, "q")
         if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
             if math.isnan(known[0][pair]):
-                meaning = f"After {self._deed(pair)} the chosen policy {_NO_VALUE}"
-                return NumberHere(f"Qπ({name}): none", meaning, "q-pi")
+                return NumberHere(f"Qπ({name}): none", f"After {deed} the chosen policy {_NO_VALUE}", "q-pi")
             worth = self._written(float(known[0][pair]))[0]
-            return NumberHere(
-                f"Qπ({name}) = {worth}",
-                f"The expected discounted return of {self._deed(pair)}, and of the chosen policy afterwards. "
-                f"Exact: computed from the transition table.",
-                "q-pi",
+            meaning = (
+                f"The expected discounted return of {deed}, and of the chosen policy afterwards. {_EXACT}"
             )
-        if layer is Layer.OPTIMAL and exact is not None:
-            return NumberHere(
-                f"Q*({name}) = {optimum}",
-                f"{self._best(pair)} Exact: computed from the transition table. The agent's estimate is "
-                f"{estimate}, {self._from_visits(pair)}.",
-                "q-star",
-            )
-        if layer is Layer.ERROR and exact is not None:
-            return NumberHere(
-                f"Q({name}) − Q* = {error}",
-                f"The agent's estimate, {estimate}, minus the exact value, {optimum}: above 0 it is too "
-                f"high. The estimate is {self._from_visits(pair)}.",
-                "error",
-            )
-        return NumberHere(
-            f"Q({name}) = {estimate}",
-            f"{self._estimated(pair)}, {self._from_visits(pair)}. {self._truth(optimum)}".strip(),
-            "q",
-        )
+            return NumberHere(f"Qπ({name}) = {worth}", meaning, "q-pi")
+        return self._told("Q", name, layer, range(pair, pair + 1), (q, exact), (done, best, f"{about}, "))
 
     def of_state(self, state: int, layer: Layer = Layer.Q) -> NumberHere:
-        agent, glyphs = self._snapshot.agent, self._look.glyphs
-        pairs = self._world.space.pairs_of(state)
-        name = names.state_name(self._world, state, glyphs)
+        pairs, q = self._world.space.pairs_of(state), self._snapshot.agent.q
+        name = names.state_name(self._world, state, self._look.glyphs)
         if not pairs:
             kind = names.landmark(self._world, state) or "terminal state"
             meaning = f"A {kind}: nothing is earned after it, so its value is 0."
             return NumberHere(f"V({name}) = 0", meaning, "value")
-        best = max(float(agent.q[pair]) for pair in pairs)
-        greedy = [pair for pair in shown_pairs(self._world, pairs) if float(agent.q[pair]) == best]
-        exact = None
-        if self._exact is not None:
-            exact = max(float(self._exact[0][pair]) for pair in pairs)
-        if layer is Layer.VISITS:
-            return NumberHere(
-                f"N({name}) = {int(agent.visits[pairs.start : pairs.stop].sum()):,}",
-                f"How often the agent has acted in state {name}, counted over the run so far.",
-                "visits",
-            )
-        value, optimum, error = self._written(best, exact, None if exact is None else best - exact)
-        if optimum and layer in EXACT_LAYERS:
-            return self._compared_state(name, layer, value, optimum, error, self._from_visits(*pairs))
-        actions = ", ".join(
-            names.action_name(self._world, int(self._world.space.pair_action[pair]), glyphs)
-            for pair in greedy
-        )
+        best = max(float(q[pair]) for pair in pairs)
+        exact = None if self._exact is None else max(self._exact[0][pair] for pair in pairs)
+        greedy = [pair for pair in shown_pairs(self._world, pairs) if float(q[pair]) == best]
+        actions = ", ".join(self._action(pair) for pair in greedy)
         whose = f"Q of {actions}" if len(greedy) == 1 else f"{actions} are tied"
-        return NumberHere(
-            f"V({name}) = {value}",
-            f"The largest of the agent's estimates Q in state {name}: {whose}. It estimates the "
-            f"discounted return from there, {self._from_visits(*pairs)}. "
-            f"{self._truth(optimum, 'V*')}".strip(),
-            "value",
+        about = (
+            f"The largest of the agent's estimates Q in state {name}: {whose}. It estimates the discounted "
         )
+        largest = f"The largest expected discounted return from state {name}."
+        texts = f"acted in state {name}", largest, f"{about}return from there, "
+        return self._told("V", name, layer, pairs, (best, exact), texts)
 
-    @staticmethod
-    def _compared_state(
-        name: str, layer: Layer, value: str, optimum: str, error: str, learned: str
+    def _told(
+        self,
+        symbol: str,
+        name: str,
+        layer: Layer,
+        pairs: range,
+        values: tuple[float, float | None],
+        texts: tuple[str, str, str],
     ) -> NumberHere:
-        if layer is Layer.OPTIMAL:
-            return NumberHere(
-                f"V*({name}) = {optimum}",
-                f"The largest expected discounted return from state {name}. Exact: computed "
-                f"from the transition table. The agent's estimate is {value}, {learned}.",
-                "q-star",
+        # texts: what the agent has done, what the exact value is, what the estimate is of
+        visits = int(self._snapshot.agent.visits[pairs.start : pairs.stop].sum())
+        (value, exact), (done, best, about), learned = values, texts, self._learned(visits)
+        estimate, optimum, error = self._written(value, exact, None if exact is None else value - exact)
+        if layer is Layer.VISITS:
+            meaning = f"How often the agent has {done}, counted over the run so far."
+            return NumberHere(f"N({name}) = {visits:,}", meaning, "visits")
+        if layer is Layer.OPTIMAL and optimum:
+            meaning = f"{best} {_EXACT} The agent's estimate is {estimate}, {learned}."
+            return NumberHere(f"{symbol}*({name}) = {optimum}", meaning, "q-star")
+        if layer is Layer.ERROR and optimum:
+            meaning = (
+                f"The agent's estimate, {estimate}, minus the exact value, {optimum}: above 0 it is too high."
             )
-        return NumberHere(
-            f"V({name}) − V* = {error}",
-            f"The agent's estimate, {value}, minus the exact value, {optimum}: above 0 it is too high. "
-            f"The estimate is {learned}.",
-            "error",
-        )
+            shown = f"{symbol}({name}) − {symbol}* = {error}"
+            return NumberHere(shown, f"{meaning} The estimate is {learned}.", "error")
+        meaning = f"{about}{learned}. {self._truth(optimum, symbol)}".strip()
+        return NumberHere(f"{symbol}({name}) = {estimate}", meaning, "q" if symbol == "Q" else "value")
 
     def _written(self, *values: float | None) -> tuple[str, ...]:
         form = number_form([each for each in values if each is not None], _COLUMNS)
         return tuple("" if each is None else form.text(each, self._look.glyphs) for each in values)
 
+    def _action(self, pair: int) -> str:
+        return names.action_name(self._world, int(self._world.space.pair_action[pair]), self._look.glyphs)
+
     def _deed(self, pair: int) -> str:
-        space, glyphs = self._world.space, self._look.glyphs
-        action = names.action_name(self._world, int(space.pair_action[pair]), glyphs)
-        return f"{action} in state {names.state_name(self._world, space.state_of(pair), glyphs)}"
-
-    def _estimated(self, pair: int) -> str:
-        if self._is_bandit:
-            return "The agent's estimate of the mean reward of this arm"
-        whose = "The planner's value" if self._plans else "The agent's estimate"
-        return f"{whose} of the discounted return of {self._deed(pair)}"
-
-    def _best(self, pair: int) -> str:
-        if self._is_bandit:
-            return "The true mean reward of this arm."
-        return f"The largest expected discounted return of {self._deed(pair)}."
+        state = self._world.space.state_of(pair)
+        return f"{self._action(pair)} in state {names.state_name(self._world, state, self._look.glyphs)}"
 
     @property
     def _plans(self) -> bool:
         return self._snapshot.agent.row.planner
 
-    def _from_visits(self, *pairs: int) -> str:
-        visits = sum(int(self._snapshot.agent.visits[pair]) for pair in pairs)
+    def _learned(self, visits: int) -> str:
         if not visits:
             return "not tried yet: still the initial estimate"
         if self._plans:
             return f"after {counted(visits, 'backup')}"
         return f"learned from {counted(visits, 'pull' if self._is_bandit else 'visit')}"
 
-    def _truth(self, optimum: str, symbol: str = "Q*") -> str:
+    def _truth(self, optimum: str, symbol: str) -> str:
         if optimum:
-            return f"The exact {symbol} here is {optimum}."
+            return f"The exact {symbol}* here is {optimum}."
         if hides_means(self._snapshot):
             return f"The true mean is {SECRET}."
         if refused := self._snapshot.exact_answer.refused:
             return f"There is no exact value: {refused}"
         key = shown_by(self._snapshot)
-        return f"The exact {symbol} is hidden: {key}." if is_secret(self._snapshot) else ""
+        return f"The exact {symbol}* is hidden: {key}." if is_secret(self._snapshot) else ""
