@@ -17,8 +17,8 @@ from rl_tui.live.commands import AddLane
 from rl_tui.runs.recipe import SwitchAlgorithm
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.glossary import NUMBER, GlossaryScreen
-from rl_tui.screen.frame.help import Explained, HelpScreen
-from rl_tui.screen.frame.key_sheet import KeySheet
+from rl_tui.screen.frame.help import HelpScreen
+from rl_tui.screen.frame.key_sheet import KeyPage, KeySheet
 from rl_tui.screen.frame.number_here import number_of_pair, number_of_state
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.kit.layers import Layer
@@ -157,7 +157,7 @@ async def test_the_pages_begin_at_their_beginning_and_titles_are_apart_from_thei
             await pilot.resize_terminal(100, height)
             await press(pilot, "question_mark", "3")
             assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0, height
-            pages = pilot.app.screen.query(Explained)
+            pages = pilot.app.screen.query(KeyPage)
             lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
             titles = {row.title for row in PANELS if not row.of_lesson}
             assert titles <= {line[:14].strip() for line in lines}

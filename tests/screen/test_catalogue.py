@@ -37,7 +37,8 @@ from rl_tui.screen.catalogue.lessons import LessonList, LessonsScreen
 from rl_tui.screen.catalogue.preview import MOMENTS, STEPS, has_found_optimum, last_run, moments_of
 from rl_tui.screen.catalogue.scenario_list import FilterInput, Mark, marks_of
 from rl_tui.screen.frame.glossary import GlossaryScreen
-from rl_tui.screen.frame.help import Explained, HelpScreen
+from rl_tui.screen.frame.help import HelpScreen
+from rl_tui.screen.frame.key_sheet import KeyPage
 from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import YOURS, find, user_folder
 from rl_tui.worlds.files.catalogue import scenarios as shipped
@@ -525,7 +526,7 @@ async def test_enter_opens_and_escape_comes_back_to_the_same_entry_and_help_name
             assert isinstance(app.screen, place)
             await tap(pilot, "question_mark", "3")
             assert isinstance(app.screen, HelpScreen)
-            assert ("m l hides" in words_of(app.screen.query_one(Explained))) is hides
+            assert ("m l hides" in words_of(app.screen.query_one(KeyPage))) is hides
             await tap(pilot, "question_mark")
             assert isinstance(app.screen, place)
             if place is CatalogueScreen:

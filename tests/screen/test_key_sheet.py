@@ -22,7 +22,7 @@ from rl_tui.screen.playground.playground import Playground
 def shown(pilot: Pilot[UserError]) -> str:
     screen = pilot.app.screen
     assert isinstance(screen, KeySheet)
-    page = screen.query_one("_Page")
+    page = screen.query_one("KeyPage")
     return "\n".join(page.render_line(y).text for y in range(page.size.height))
 
 

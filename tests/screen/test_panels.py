@@ -21,9 +21,8 @@ from rl_tui.screen.app.find import entries_on
 from rl_tui.screen.board import board, board_layout
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.frame import glossary
-from rl_tui.screen.frame.help import Explained
 from rl_tui.screen.frame.key_line import KeyLine
-from rl_tui.screen.frame.key_sheet import KeySheet
+from rl_tui.screen.frame.key_sheet import KeyPage, KeySheet
 from rl_tui.screen.keys import registry
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
@@ -130,7 +129,7 @@ async def test_palette_help_and_key_line_list_it(app_with: AppWith) -> None:
         assert isinstance(app.screen, KeySheet)
         await pilot.press("3")
         await pilot.pause()
-        pages = app.screen.query(Explained)
+        pages = app.screen.query(KeyPage)
         lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
         assert any(line.startswith("  Step count") for line in lines)
 

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
-from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Final
 
-from rich.segment import Segment
-from rich.style import Style
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
-from textual.geometry import Size
-from textual.strip import Strip
-from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.frame.key_sheet import FIND, KEYS, WORDS, tabs
+from rl_tui.screen.frame.key_sheet import FIND, KEYS, WORDS, KeyPage, tabs
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -27,65 +22,7 @@ from rl_tui.screen.theme.look import Look
 if TYPE_CHECKING:
     from textual.widgets import Markdown
 
-# Terms and their meanings
-
-
 _LEFT: Final = 14  # columns
-_BOLD: Final = Style(bold=True)
-
-
-class Explanation(NamedTuple):
-    """A ``term`` with ``meaning``, or a heading."""
-
-    term: str
-    meaning: str = ""
-
-
-class Explained(Widget):
-    """Rows drawn as they come into view."""
-
-    DEFAULT_CSS = """
-    Explained {
-        width: 1fr;
-        height: auto;
-    }
-    """
-
-    def __init__(self, rows: Sequence[Explanation], glyphs: Glyphs) -> None:
-        super().__init__()
-        self._rows = [Explanation(to_ascii(row.term, glyphs), to_ascii(row.meaning, glyphs)) for row in rows]
-        self._wrapped: tuple[int, list[Explanation]] = (0, [])
-
-    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the lines at ``width`` columns."""
-        return len(self._lines(width))
-
-    def render_line(self, y: int) -> Strip:
-        """Draw a term beside its meaning."""
-        width, style = self.size.width, self.rich_style
-        lines = self._lines(width)
-        if y >= len(lines):
-            return Strip.blank(width, style)
-        term, meaning = lines[y]
-        left = Segment(term.ljust(_LEFT), style if meaning else style + _BOLD)
-        return Strip([left, Segment(meaning, style)]).adjust_cell_length(width, style)
-
-    def _lines(self, width: int) -> list[Explanation]:
-        if self._wrapped[0] != width:
-            self._wrapped = width, [line for row in self._rows for line in _wrapped(row, width)]
-        return self._wrapped[1]
-
-
-def _wrapped(row: Explanation, width: int) -> Iterator[Explanation]:
-    term, meaning = row
-    for part in wrap(meaning, max(1, width - _LEFT), break_on_hyphens=False) or [""]:
-        yield Explanation(term, part)
-        term = ""
-
-
-# The screen
-
-
 _ASKING: Final = (
     "Point with the mouse at a word, or give a panel or slider the focus with tab, and press ?. You get "
     "its meaning, its equation and its place in Sutton and Barto. / finds any word. Return always means "
@@ -163,7 +100,7 @@ class HelpScreen(Dialog[str]):
         with self.box("", "1: keys   2: words   /: find   esc: close", "whole") as box:
             box.border_title = tabs("Pages")
             with VerticalScroll():
-                yield Explained(list(self._explanations()), self._look.glyphs)
+                yield KeyPage(self._lines)
 
     def on_mount(self) -> None:
         """Focus the page to scroll it."""
@@ -190,17 +127,26 @@ class HelpScreen(Dialog[str]):
         if to_end:
             self.call_after_refresh(page.scroll_end, animate=False)
 
-    def _explanations(self) -> Iterator[Explanation]:
-        yield Explanation("Words")
-        yield Explanation("  ?", f"{_ASKING} {_HIDING}" if self._panels else _ASKING)
+    def _lines(self, width: int) -> list[Text]:
+        lines = list[Text]()
+        for term, meaning in self._explanations():
+            words = wrap(to_ascii(meaning, self._look.glyphs), max(1, width - _LEFT), break_on_hyphens=False)
+            name = Text(to_ascii(term, self._look.glyphs).ljust(_LEFT), "" if meaning else "bold")
+            lines.append(name.append(words[0] if words else ""))
+            lines += [Text(f"{' ' * _LEFT}{part}") for part in words[1:]]
+        return lines
+
+    def _explanations(self) -> Iterator[tuple[str, str]]:
+        yield "Words", ""
+        yield "  ?", f"{_ASKING} {_HIDING}" if self._panels else _ASKING
         for title, sentences in self._topics:
-            yield Explanation(f"  {title}", sentences)
-        yield Explanation("")
+            yield f"  {title}", sentences
+        yield "", ""
         if self._panels:
-            yield Explanation("Panels")
+            yield "Panels", ""
             for title, sentences in (*((row.title, row.help) for row in self._panels), *_TOPICS):
-                yield Explanation(f"  {title}", sentences)
-            yield Explanation("")
+                yield f"  {title}", sentences
+            yield "", ""
 
 
 def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:

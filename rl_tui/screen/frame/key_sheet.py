@@ -61,9 +61,11 @@ class _Entry(NamedTuple):
     is_dim: bool = False
 
 
-class _Page(Widget):
+class KeyPage(Widget):
+    """The ``lines`` of a page at a width."""
+
     DEFAULT_CSS = """
-    _Page {
+    KeyPage {
         width: 1fr;
         height: auto;
     }
@@ -74,9 +76,11 @@ class _Page(Widget):
         self._lines = lines
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Count the lines at ``width`` columns."""
         return len(self._lines(width))
 
     def render(self) -> Text:
+        """Draw all lines."""
         return Text("\n", no_wrap=True, overflow="crop").join(self._lines(self.size.width))
 
 
@@ -105,7 +109,7 @@ class KeySheet(Dialog[str]):
         with self.box("", "?: words   /: find   esc: close", "whole") as box:
             box.border_title = tabs("Keys")
             with VerticalScroll():
-                yield _Page(self._page)
+                yield KeyPage(self._page)
 
     def on_mount(self) -> None:
         """Focus the page to scroll it."""
@@ -143,17 +147,17 @@ class KeySheet(Dialog[str]):
         count = max(1, min(count, width // least))
         lines, column = -(-len(entries) // count), width // count
         for line in range(lines):
-            yield self._joined(self._item(each, column, keys) for each in entries[line::lines])
+            yield Text().join(self._item(each, column, keys) for each in entries[line::lines])
 
     def _wide_menus(self, width: int) -> Iterator[Text]:
         column = width // 3
         menus = self._menus()
         for three in (menus[:3], menus[3:]):
-            yield self._joined(
+            yield Text().join(
                 Text(f"{key}  {title}".ljust(column), self._look.palette.strong) for key, title, _ in three
             )
             for line in range(max((len(entries) for *_, entries in three), default=0)):
-                yield self._joined(
+                yield Text().join(
                     self._item(entries[line], column, 5) if line < len(entries) else Text(" " * column)
                     for *_, entries in three
                 )
@@ -183,10 +187,6 @@ class KeySheet(Dialog[str]):
         style: Style = palette.dim if entry.is_dim else palette.text
         text = Text(key.rjust(keys), palette.dim if entry.is_dim else palette.press)
         return text.append(f" {label}".ljust(width - keys), style)
-
-    @staticmethod
-    def _joined(parts: Iterator[Text]) -> Text:
-        return Text().join(parts)
 
     def _written(self, text: str) -> str:
         return to_ascii(text, self._look.glyphs)
