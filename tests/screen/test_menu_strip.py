@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from conftest import MakeApp
 from seams import click, notes, on_screen, playground, press, settle, snapshot, train
@@ -13,8 +15,8 @@ from rl_tui.live.snapshot import Phase
 from rl_tui.screen.dialogs.form import Choice, Form
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_sheet import KeySheet
-from rl_tui.screen.frame.menu_strip import MenuRow, MenuStrip
-from rl_tui.screen.keys.action import MENUS
+from rl_tui.screen.frame.menu_strip import MenuStrip
+from rl_tui.screen.keys.action import MENUS, Action
 from rl_tui.screen.playground.actions.lanes import ONE_RUN
 from rl_tui.screen.playground.playground import Playground
 
@@ -108,11 +110,11 @@ async def test_rows_show_values_while_the_run_goes_on_and_escape_ends_no_mode(ma
 
 async def test_a_reason_that_comes_while_the_menu_is_open_is_shown_whole(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (60, 18)) as pilot:
-        row = MenuRow("one", "o", "one", "", "Do it.", is_refused=False)
+        row = Action("one", "t o", "one", "Do it.")
         rows = [row]
         pilot.app.push_screen(MenuStrip(playground(pilot).look, "Test", lambda: list(rows)))
         await settle(pilot)
-        rows[:] = [row._replace(sentence=f"{'Because of this and that, ' * 4}this is the end.")]
+        rows[:] = [replace(row, refused=f"{'Because of this and that, ' * 4}this is the end.")]
         strip(pilot).show(snapshot(pilot))
         await settle(pilot)
         assert "is the end." in lines(pilot)[-1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from textwrap import wrap
-from typing import Final, NamedTuple
+from typing import Final
 
 from rich.cells import cell_len
 from rich.segment import Segment
@@ -18,6 +18,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.keys.action import Action
 from rl_tui.screen.theme.look import Look
 
 _WIDE: Final = 110  # columns from which a line holds three entries, else two
@@ -27,24 +28,13 @@ LEADING_ON: Final = {"question_mark": "help", "slash": "find"}
 """Keys that close a menu, with the action to run."""
 
 
-class MenuRow(NamedTuple):
-    """One entry of a menu."""
-
-    id: str
-    letter: str
-    label: str
-    value: str
-    sentence: str
-    is_refused: bool
-
-
 class MenuRows(Widget):
-    """Title, entries, and the sentence of entry ``at``."""
+    """Title, entries with values, and the sentence of entry ``at``."""
 
     at: reactive[int] = reactive(0)
     unknown: reactive[str] = reactive("")
 
-    def __init__(self, look: Look, title: str, rows: Sequence[MenuRow]) -> None:
+    def __init__(self, look: Look, title: str, rows: Sequence[Action]) -> None:
         super().__init__()
         self.look = look
         self.title = title
@@ -63,7 +53,7 @@ class MenuRows(Widget):
         """Refit the height."""
         self._fit()
 
-    def show(self, rows: Sequence[MenuRow]) -> None:
+    def show(self, rows: Sequence[Action]) -> None:
         """Replace the rows."""
         self.rows = rows
         self.at = min(self.at, len(rows) - 1)
@@ -110,10 +100,10 @@ class MenuRows(Widget):
         width = self.size.width // self._columns - _BEFORE_LABEL
         labels = max(cell_len(to_ascii(each.label, glyphs)) for each in self.rows) + 2
         text = f"{to_ascii(row.label, glyphs):<{labels}}{to_ascii(row.value, glyphs)}"
-        style = palette.dim if row.is_refused else palette.strong if is_here else palette.text
+        style = palette.dim if row.refused else palette.strong if is_here else palette.text
         return [
             Segment(f" {glyphs.cursor if is_here else ' '} ", palette.press),
-            Segment(f"{row.letter} ", palette.dim if row.is_refused else palette.press),
+            Segment(f"{row.letter} ", palette.dim if row.refused else palette.press),
             Segment(shortened(text, width - 1, glyphs.ellipsis).ljust(width), style),
         ]
 
@@ -126,7 +116,7 @@ class MenuRows(Widget):
 class MenuStrip(Dialog[str]):
     """A menu that answers an action's id, and stays open for unavailable ones."""
 
-    def __init__(self, look: Look, title: str, rows: Callable[[], Sequence[MenuRow]]) -> None:
+    def __init__(self, look: Look, title: str, rows: Callable[[], Sequence[Action]]) -> None:
         super().__init__()
         self._rows_now = rows
         self.menu = MenuRows(look, title, rows())
@@ -180,5 +170,5 @@ class MenuStrip(Dialog[str]):
     def _choose(self, place: int) -> None:
         self.menu.at = place
         row = self.menu.rows[place]
-        if not row.is_refused:
+        if not row.refused:
             self.dismiss(row.id)

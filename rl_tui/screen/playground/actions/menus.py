@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from rl_tui.screen.board.subject import Subject
-from rl_tui.screen.frame.menu_strip import MenuRow, MenuStrip
-from rl_tui.screen.keys.action import MENUS, Action, Group
+from rl_tui.screen.frame.menu_strip import MenuStrip
+from rl_tui.screen.keys.action import Action, menu_title
 
 _AGENT: Final = "a"
 
@@ -18,11 +18,8 @@ class MenuActions(Subject):
 
     def open(self, key: str) -> None:
         """Open the menu of ``key``."""
-        listed = self._listed(key)
-        title = "Your program" if self._is_of_program(key) else MENUS[key]
-        if any(each.group is Group.DRAWING for each in listed):
-            title = "Draw"
-        strip = MenuStrip(self.screen.look, title, lambda: [self._row(each) for each in self._listed(key)])
+        title = "Your program" if self._is_of_program(key) else menu_title(key, self._listed(key))
+        strip = MenuStrip(self.screen.look, title, lambda: list(map(self._valued, self._listed(key))))
         self.ask(strip, self._do)
 
     def _is_of_program(self, key: str) -> bool:
@@ -32,11 +29,11 @@ class MenuActions(Subject):
         is_of_program = self._is_of_program(key)
         return [each for each in self.screen.listed(key) if each.of_program or not is_of_program]
 
-    def _row(self, action: Action) -> MenuRow:
+    def _valued(self, action: Action) -> Action:
         target, _, deed = (action.command or action.id).partition(".")
         subject = getattr(self.screen, target, None)
         value = action.value or (subject.value(deed) if isinstance(subject, Subject) else "")
-        return MenuRow(action.id, action.letter, action.label, value, action.sentence, bool(action.refused))
+        return replace(action, value=value)
 
     def _do(self, id_: str) -> None:
         action = next(each for each in self.screen.actions if each.id == id_)
