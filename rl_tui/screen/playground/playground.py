@@ -42,8 +42,6 @@ from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
 from rl_tui.screen.panels.discount import DiscountPanel
 from rl_tui.screen.panels.lesson.lesson import LessonPanel
-from rl_tui.screen.panels.policies.policies import PolicyChosen
-from rl_tui.screen.panels.program.findings import FindingsPanel
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.panels.timeline import TimelineBar
@@ -323,14 +321,8 @@ class Playground(ActionScreen):
         """Ask for flip points if γ's slider has the focus."""
         self.view.follow_flips()
 
-    @on(PolicyChosen)
-    def study(self, event: PolicyChosen) -> None:
-        """Show the clicked policy."""
-        self.policies.study(event.kind)
-
     @on(TimelineBar.Sought)
-    @on(FindingsPanel.StepWanted)
-    def seek(self, event: TimelineBar.Sought | FindingsPanel.StepWanted) -> None:
+    def seek(self, event: TimelineBar.Sought) -> None:
         """Go to the chosen step."""
         self.time.seek(event.step)
 

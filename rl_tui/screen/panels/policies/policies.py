@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
 from typing import ClassVar, Final, NamedTuple
@@ -11,7 +10,6 @@ from typing import ClassVar, Final, NamedTuple
 import numpy as np
 from textual import events
 from textual.binding import BindingType
-from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
@@ -128,13 +126,6 @@ WAITING: Final = "computing in the background …"
 _CHOOSE: Final = "screen.do('policies.choose({})')"
 
 
-@dataclass
-class PolicyChosen(Message):
-    """A person clicked the policy ``kind``."""
-
-    kind: PolicyKind
-
-
 class Policies(Panel, can_focus=True):
     """One row per policy. The world shows the one under the cursor."""
 
@@ -200,7 +191,7 @@ class Policies(Panel, can_focus=True):
         offset = event.get_content_offset(self)
         if offset is not None and offset.y in self._places:
             kind = list(POLICY_NAMES)[list(self._places).index(offset.y)]
-            self.post_message(PolicyChosen(kind))
+            self.call_later(self.run_action, f"screen.do('policies.study(\"{kind}\")')")
 
 
 # The notes below the table

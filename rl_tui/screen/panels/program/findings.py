@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual.binding import BindingType
-from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.findings import one_line
@@ -51,12 +49,6 @@ class FindingsPanel(ScrolledPanel):
     _chosen = 0
     _has_moved = False  # then scroll to the finding under the cursor
 
-    @dataclass
-    class StepWanted(Message):
-        """The user wants the run after ``step``."""
-
-        step: int
-
     @property
     def _findings(self) -> list[CodeFinding]:
         program = None if self.snapshot is None else self.snapshot.program
@@ -78,10 +70,10 @@ class FindingsPanel(ScrolledPanel):
         else:
             self._scroll(by)
 
-    def action_go_to_step(self) -> None:
-        """Request the finding's first step."""
+    async def action_go_to_step(self) -> None:
+        """Go to the finding's first step."""
         if self.chosen is not None:
-            self.post_message(self.StepWanted(step_number(self.chosen.step)))
+            await self.run_action(f"screen.do('time.seek({step_number(self.chosen.step)})')")
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows."""

@@ -110,10 +110,10 @@ class PolicyActions(Subject):
         kinds = list(POLICY_NAMES)
         self.study(kinds[max(0, min(kinds.index(self._current) + offset, len(kinds) - 1))])
 
-    def study(self, kind: PolicyKind) -> None:
+    def study(self, kind: str) -> None:
         """Show the policy ``kind``."""
-        if kind is not self._current:
-            self._study(kind)
+        if kind != self._current:
+            self._study(PolicyKind(kind))
 
     @property
     def _current(self) -> PolicyKind:
