@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, NamedTuple
 
-from rl_tui.worlds.drawing import Drawing
+from rl_tui.worlds.drawing import Arms, Drawing
 
 if TYPE_CHECKING:
     from rl_tui.worlds.environment import Environment
@@ -48,6 +48,11 @@ class World:
         from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
         object.__setattr__(self, "mdp", self.space if isinstance(self.space, TabularMDP) else None)
+
+    @property
+    def is_bandit(self) -> bool:
+        """True if its actions are arms."""
+        return isinstance(self.drawing, Arms)
 
     @property
     def is_remade(self) -> bool:

@@ -31,7 +31,6 @@ from rl_tui.screen.panels.curve.text import amount, decimals_for, no_end
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import SeedStudy
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 # Differences of another run
@@ -66,7 +65,7 @@ def lane_changes(space: FiniteSpace, recipe: Recipe, name: str, value: float | s
 
 def branches_beside(snapshot: Snapshot) -> dict[int, str]:
     """Describe the branches that can be opened beside."""
-    timeline, is_bandit = snapshot.timeline, isinstance(snapshot.world.drawing, Arms)
+    timeline, is_bandit = snapshot.timeline, snapshot.world.is_bandit
     unit, here = "pull" if is_bandit else "step", timeline.current.journal
     pasts = [lane.past for lane in snapshot.run_group.lanes if lane.past is not None]
     there = [past.journal for past in pasts if past.begun == snapshot.recipe]

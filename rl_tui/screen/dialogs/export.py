@@ -21,7 +21,6 @@ from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.drawing import Arms
 
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
 POLICY: Final = "policy"
@@ -63,7 +62,7 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
     left_out = {
         RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}. The unfinished episode is left out.",
         Q_ARRAY: "Visits are left out.",
-        SCRIPT: _SECRET if isinstance(snapshot.world.drawing, Arms) else "",
+        SCRIPT: _SECRET if snapshot.world.is_bandit else "",
     }
     refused = {}
     if not len(snapshot.results.curve.episode):

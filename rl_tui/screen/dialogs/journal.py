@@ -38,7 +38,6 @@ from rl_tui.screen.panels.controls.settings import called
 from rl_tui.screen.panels.timeline import first_reward
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.editing.edit import BETWEEN, PREFIX, written_edits
 from rl_tui.worlds.world import World
 
@@ -71,7 +70,7 @@ class JournalScreen(Form):
 
     def __init__(self, look: Look, snapshot: Snapshot) -> None:
         timeline = snapshot.timeline
-        unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+        unit = "pull" if snapshot.world.is_bandit else "step"
         self.journals = [
             journal_lines(branch.journal, snapshot.recipe, snapshot.world, look.glyphs)
             for branch in timeline.branches
@@ -259,7 +258,7 @@ def goto_form(snapshot: Snapshot, glyphs: Glyphs) -> Form:
 
 
 def _places(snapshot: Snapshot) -> Iterator[Candidate]:
-    branch, unit = snapshot.timeline.current, "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+    branch, unit = snapshot.timeline.current, "pull" if snapshot.world.is_bandit else "step"
     reward = None if snapshot.agent.row.planner else first_reward(snapshot.results.curve)
     change = branch.journal[-1].step if branch.journal else None
     yield Candidate("start", "start", value=f"{unit} 0")
@@ -328,7 +327,7 @@ def _expected(snapshot: Snapshot) -> str:
     end = snapshot.timeline.current.end
     if snapshot.agent.row.planner:
         first = f"a step from 0 to {end:,}, sweep 12"
-    elif isinstance(snapshot.world.drawing, Arms):
+    elif snapshot.world.is_bandit:
         first = f"a pull from 0 to {end:,}"
     else:
         first = f"a step from 0 to {end:,}, e12 for episode 12"

@@ -19,7 +19,6 @@ from rl_tui.screen.draw.names import breakpoint_names, estimate_name
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import episode_shown, episodes_begun, is_secret
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.drawing import Arms
 
 # The conditions
 
@@ -67,7 +66,7 @@ def kind_of(snapshot: Snapshot) -> Kind:
     """Return the kind of learner."""
     if snapshot.agent.row.planner:
         return Kind.PLANNER
-    return Kind.BANDIT if isinstance(snapshot.world.drawing, Arms) else Kind.AGENT
+    return Kind.BANDIT if snapshot.world.is_bandit else Kind.AGENT
 
 
 def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[UntilOption, ...]:

@@ -10,7 +10,7 @@ from rl_tui.live.pace.until import Breakpoints
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.drawing import Arms, CellKind, Grid
+from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
 LONGEST_NAME: Final = 14
@@ -48,7 +48,7 @@ def is_direction(world: World, action: int) -> bool:
 def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
     """Return Q's arguments, such as ``6,←``, or the arm."""
     action = action_name(world, int(world.space.pair_action[pair]), glyphs)
-    if isinstance(world.drawing, Arms):
+    if world.is_bandit:
         return action
     return f"{state_name(world, world.space.state_of(pair), glyphs)},{action}"
 
@@ -94,7 +94,7 @@ def estimate_name(world: World, pair: int, glyphs: Glyphs) -> str:
 def pair_in_words(world: World, pair: int, glyphs: Glyphs) -> str:
     """Name a pair: ``6,←``, or ``arm 3``."""
     name = pair_name(world, pair, glyphs)
-    return f"arm {name}" if isinstance(world.drawing, Arms) else name
+    return f"arm {name}" if world.is_bandit else name
 
 
 def breakpoint_names(world: World, breakpoints: Breakpoints, glyphs: Glyphs) -> list[str]:

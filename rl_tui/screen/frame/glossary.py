@@ -39,7 +39,6 @@ from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.screen.frame.action_screen import ActionScreen
@@ -183,7 +182,7 @@ def setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:
         time_limit=snapshot.world.space.time_limit,
         steps=snapshot.counters.step,
         episodes=snapshot.counters.episodes,
-        is_bandit=isinstance(snapshot.world.drawing, Arms),
+        is_bandit=snapshot.world.is_bandit,
         budget=snapshot.world.budget,
     )
 

@@ -22,7 +22,6 @@ from rl_tui.screen.panels.q_table.layers import policy_q
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 _COLUMNS: Final = 9
 _OF_POLICY: Final = "policy-value"
@@ -62,7 +61,7 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
     place = view.cursor_place if at is None else view.place_at(*at)
     if place is None or view.snapshot is None or (at is None and view.is_manual):
         return None
-    if isinstance(view.world.drawing, Arms):
+    if view.world.is_bandit:
         return number_of_pair(view.snapshot, place, Layer.Q, look)
     state = view.state_at(place)
     if state is not None and view.studied is not None:
@@ -101,7 +100,7 @@ class _Teller:
         self._world = snapshot.world
         self._look = look
         self._exact = exact_q(snapshot)
-        self._is_bandit = isinstance(snapshot.world.drawing, Arms)
+        self._is_bandit = snapshot.world.is_bandit
 
     def of_pair(self, pair: int, layer: Layer) -> NumberHere:
         name, deed = names.pair_name(self._world, pair, self._look.glyphs), self._deed(pair)

@@ -22,7 +22,6 @@ from rl_tui.screen.kit.numbers_in_common import (
 )
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 
@@ -55,7 +54,7 @@ def exact_q(snapshot: Snapshot) -> Exact | None:
     """Return Q* and its greedy pairs, [P] each, unless hidden."""
     if is_secret(snapshot):
         return None
-    if isinstance(snapshot.world.drawing, Arms):
+    if snapshot.world.is_bandit:
         mdp = snapshot.world.mdp
         if mdp is not None and (mdp.drift_std == 0.0 or snapshot.counters.step == 0):
             return true_means(mdp), best_arms(mdp)
@@ -71,7 +70,7 @@ def hides_exact(snapshot: Snapshot) -> bool:
 def veils_exact(snapshot: Snapshot) -> bool:
     """Return whether ``···`` stands for a Q* to reveal."""
     has_key = hides_exact(snapshot) and not keeps_back(snapshot, "answer")
-    return has_key and not isinstance(snapshot.world.drawing, Arms)
+    return has_key and not snapshot.world.is_bandit
 
 
 def veiled(glyphs: Glyphs) -> str:
@@ -101,7 +100,7 @@ def other_lane(snapshot: Snapshot) -> LaneView | None:
 
 def world_layer(snapshot: Snapshot, layer: Layer) -> Layer:
     """Return a world's layer, Q by default."""
-    if isinstance(snapshot.world.drawing, Arms) or layer not in WORLD_LAYERS:
+    if snapshot.world.is_bandit or layer not in WORLD_LAYERS:
         return Layer.Q
     return Layer.Q if layer in EXACT_LAYERS and shown_exact(snapshot) is None else layer
 

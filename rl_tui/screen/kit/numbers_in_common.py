@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import CopiedPart
-from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.world import World
 
@@ -36,7 +36,7 @@ def known_v(snapshot: Snapshot) -> FloatArray:
 
     Exits of a map are left out: they show their reward.
     """
-    if isinstance(snapshot.world.drawing, Arms):
+    if snapshot.world.is_bandit:
         return tried_q(snapshot)
     return finite(np.concatenate([v[known] for v, known in map(_v, lanes_in_view(snapshot))]))
 

@@ -13,7 +13,6 @@ from rl_tui.live.pace.stop_condition import is_optimal
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.history import RECENT
 from rl_tui.studies.many_seeds.figures import SeedStudy
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 SHOWN_BY_KEY: Final = "w h shows"
@@ -83,7 +82,7 @@ def as_learned(snapshot: Snapshot) -> Snapshot:
 
 def hides_means(snapshot: Snapshot) -> bool:
     """Return whether true means are hidden."""
-    return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
+    return is_secret(snapshot) and snapshot.world.is_bandit
 
 
 def hides_greedy(snapshot: Snapshot) -> bool:

@@ -32,7 +32,6 @@ from rl_tui.screen.panels.arm_bars import (
 )
 from rl_tui.screen.panels.world.shown_policy import drawn_pairs
 from rl_tui.screen.panels.world.view import WorldView
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -54,7 +53,7 @@ class ArmsView(WorldView):
         Raises:
             TypeError: The world has no arms or no transition table.
         """
-        if not isinstance(world.drawing, Arms) or world.mdp is None:
+        if not world.is_bandit or world.mdp is None:
             raise TypeError("an ArmsView needs a world with a table and Arms as its drawing")
         super().enter(world, goes_on=goes_on)
         self._mdp = world.mdp

@@ -9,7 +9,6 @@ from rl_tui.screen.draw.canvas import Piece, shortened, strips_of
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import has_estimates, has_optimal_policy, valued_states
 from rl_tui.screen.panels.status_line import StatusLine, waiting_line
-from rl_tui.worlds.drawing import Arms
 
 
 class CaptionLine(StatusLine):
@@ -38,7 +37,7 @@ def caption(snapshot: Snapshot) -> str:
         return "Nothing is learned yet: no step was taken."
     if not has_estimates(snapshot):
         return "No table was found in your program yet, so its learning is not shown."
-    if isinstance(snapshot.world.drawing, Arms):
+    if snapshot.world.is_bandit:
         return "Each pull moves the estimate of its arm towards what it paid."
     if has_optimal_policy(snapshot):
         return "Optimal policy found: no other policy is better."

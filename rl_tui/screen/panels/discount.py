@@ -35,7 +35,6 @@ from rl_tui.screen.panels.discount_chart import (
     ranked,
 )
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
@@ -351,7 +350,7 @@ def why_empty(snapshot: Snapshot) -> str:
     if answer.state is FlipState.NOT_ASKED and mdp is not None:
         answer = at_once(mdp) or answer
     if answer.is_idle:
-        step = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+        step = "pull" if snapshot.world.is_bandit else "step"
         return f"each {step} ends its episode: γ changes nothing"
     return answer.reason if answer.state is FlipState.REFUSED else ""
 

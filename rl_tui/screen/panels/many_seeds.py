@@ -53,7 +53,6 @@ from rl_tui.screen.panels.seed_figures import (
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import SeedStudy, StudyState
-from rl_tui.worlds.drawing import Arms
 
 # Remarks below the table
 
@@ -89,7 +88,7 @@ def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret:
 def _luck(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
     """Return why recent rewards can exceed the best arm's mean."""
     mdp, recent = snapshot.world.mdp, snapshot.results.return_last_100
-    if recent is None or mdp is None or not isinstance(snapshot.world.drawing, Arms):
+    if recent is None or mdp is None or not snapshot.world.is_bandit:
         return ""
     pulls = recent_name(snapshot.counters.episodes)
     if secret:
@@ -118,7 +117,7 @@ def _meaning(study: SeedStudy, snapshot: Snapshot, look: Look, *, has_marks: boo
         glyphs = look.glyphs
         meaning = f"{glyphs.world_mark} this seed, {glyphs.estimate} mean ± its standard error{which}"
     if snapshot.recipe.scenario.section.drawn_from_seed:
-        what = "arms" if isinstance(snapshot.world.drawing, Arms) else "a world"
+        what = "arms" if snapshot.world.is_bandit else "a world"
         meaning = f"{meaning}; each draws {what} of its own"
     if len(study.lanes) > 1:
         meaning = f"{meaning}; better: {LEAST_SEEDS} seeds, 0 outside the brackets"
@@ -370,7 +369,7 @@ class _Progress:
 
 
 def _span(study: SeedStudy, snapshot: Snapshot) -> str:
-    pulls = isinstance(snapshot.world.drawing, Arms)
+    pulls = snapshot.world.is_bandit
     unit, last = ("pull" if pulls else "episode", study.episodes) if study.episodes else ("step", study.steps)
     if not last:
         return ""

@@ -38,7 +38,6 @@ from rl_tui.screen.kit.snapshot_facts import (
 )
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 from rl_tui.worlds.world import World
@@ -288,7 +287,7 @@ def _start(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
 
 
 def _end(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
-    if isinstance(world.drawing, Arms):
+    if world.is_bandit:
         return "every pull is an episode of its own"
     reached = _terminal(mdp)
     listed = [*reached[:_MANY_NAMES], *reached[_MANY_NAMES:][-1:]]

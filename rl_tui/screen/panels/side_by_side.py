@@ -23,7 +23,6 @@ from rl_tui.screen.panels.program.words import name_of
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.editing.carried import differing_choices
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
@@ -73,7 +72,7 @@ class GreedyDifferences:
             )
         if not self.known:
             return ()
-        if isinstance(lane.world.drawing, Arms):
+        if lane.world.is_bandit:
             return (f"{DIFFERS} other greedy arms" if self.states else "the same greedy arms",)
         count, seen = f"{len(self.states)} of {self.known:,}", " in view" if self.is_part else ""
         return (
@@ -131,7 +130,7 @@ def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
         return f"{number} {name_of(lane.program)}{known}", f"{number} {name_of(lane.program)}"
     group, agent = lane.run_group, lane.agent
     name, algorithm = group.lanes[group.shown].name, agent.row.name
-    is_bandit = isinstance(lane.world.drawing, Arms)
+    is_bandit = lane.world.is_bandit
     settings = []
     for parameter in sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit):
         value = in_force(agent.hyperparameters, parameter)

@@ -19,7 +19,6 @@ from rl_tui.screen.kit.snapshot_facts import episode_shown
 from rl_tui.screen.panels.controls.settings import speed_text
 from rl_tui.screen.panels.program.words import name_of
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 WIDE: Final = 100
 SMALL: Final = 70
@@ -209,7 +208,7 @@ def _fields(
     wide, bandit = width >= WIDE, snapshot.results.bandit
     in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
     plans = snapshot.agent.row.planner
-    if isinstance(snapshot.world.drawing, Arms) and bandit is not None and not plans:
+    if snapshot.world.is_bandit and bandit is not None and not plans:
         of = f" of {bandit.budget:,}"
         text, room = f"{numbers.count(bandit.pulls)}{of}", len(f"pull {bandit.budget:,}{of}")
         progress = [_Field(text, room, look.palette.strong, label="pull ")]

@@ -30,7 +30,6 @@ from rl_tui.screen.kit.snapshot_facts import episode_shown, hides_greedy
 from rl_tui.screen.panels.curve.data import EpisodeAxis, episode_axis
 from rl_tui.screen.panels.curve.text import label_gap, plot_columns
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import IntArray
 
 # The row
@@ -89,7 +88,7 @@ class TimelineState:
     @property
     def unit(self) -> str:
         """The axis's unit, shortened."""
-        is_bandit = isinstance(self.snapshot.world.drawing, Arms)
+        is_bandit = self.snapshot.world.is_bandit
         return "sweep" if self.snapshot.agent.row.planner else "pull" if is_bandit else "ep"
 
     @property

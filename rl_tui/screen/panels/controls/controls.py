@@ -20,7 +20,6 @@ from rl_tui.screen.panels.controls.settings import AgentSettings
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.controls.slider_picture import SliderMark
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 _ROOMY: Final = 8  # rows from which a blank one separates the sliders
 GAMMA: Final = "gamma"  # the parameter whose slider shows flip points
@@ -122,7 +121,7 @@ class Controls(Container, BoardPanel):
         agent, playback, episode = snapshot.agent, snapshot.playback, snapshot.counters.episodes
         values = agent.hyperparameters
         return (
-            *(agent.algorithm, values, self.wanted, isinstance(snapshot.world.drawing, Arms)),
+            *(agent.algorithm, values, self.wanted, snapshot.world.is_bandit),
             *(values.alpha_at(episode), values.epsilon_at(episode)),
             *(snapshot.recipe.seed, playback.phase, playback.speed),
             *(snapshot.run_group.shown, len(snapshot.run_group.lanes)),
@@ -137,7 +136,7 @@ class Controls(Container, BoardPanel):
         if snapshot is None:
             return
         self.query_one(AgentSettings).show(snapshot)
-        agent, is_bandit = snapshot.agent, isinstance(snapshot.world.drawing, Arms)
+        agent, is_bandit = snapshot.agent, snapshot.world.is_bandit
         parameters = sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit)
         if parameters != self._parameters:
             self._parameters = parameters

@@ -18,7 +18,6 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 _BETWEEN: Final = " · "
 _WIDE_GAP: Final = 3
@@ -40,7 +39,7 @@ class Setting:
 def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
     """Yield the current settings."""
     values = snapshot.agent.hyperparameters
-    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    is_bandit = snapshot.world.is_bandit
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
     lanes = snapshot.run_group.lanes
     if lanes:

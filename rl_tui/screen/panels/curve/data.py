@@ -31,7 +31,6 @@ from rl_tui.screen.kit.snapshot_facts import (
 from rl_tui.screen.panels.curve.moving_mean import MovingMean, moving_mean, window_of
 from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_bands
 from rl_tui.screen.panels.policies.studied import studied_answer
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
 _RATIO: Final = 1.05  # ratio between right ends of the axis, so that the picture moves in steps
@@ -228,7 +227,7 @@ class CurveData:
 
 def curve_data(snapshot: Snapshot) -> CurveData:
     """Collect the numbers that are not hidden."""
-    is_bandit, first_update = isinstance(snapshot.world.drawing, Arms), snapshot.answers.first_update
+    is_bandit, first_update = snapshot.world.is_bandit, snapshot.answers.first_update
     lanes, results, axis = snapshot.run_group.lanes, snapshot.results, episode_axis(snapshot)
     shown = [each.curve for each in [lane.results for lane in lanes] or [results] if len(each.curve.episode)]
     same_returns = _returns_are_equal(shown)

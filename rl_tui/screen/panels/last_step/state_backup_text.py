@@ -14,7 +14,6 @@ from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.precision import agrees, figure, in_brackets, leading_zeros, parsed
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 _FEWEST: Final = 2
@@ -71,7 +70,7 @@ class BackupText:
         state = names.state_name(world, backup.state, glyphs)
         improves = backup.phase == "improvement"
         self.kind, self.law = _NAMES[backup.phase], _LAWS[backup.phase]
-        self.left = f"{'π' if improves else 'V'}{'' if isinstance(world.drawing, Arms) else f'({state})'}"
+        self.left = f"{'π' if improves else 'V'}{'' if world.is_bandit else f'({state})'}"
         of = "argmax" if improves else "max"
         self.right = self._mean() if backup.phase == "evaluation" else self._best(of)
         self.result = self._chosen() if improves else self._value

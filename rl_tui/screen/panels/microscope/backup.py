@@ -19,7 +19,6 @@ from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Flow, Labell
 from rl_tui.screen.panels.last_step.words import StepWords
 from rl_tui.screen.panels.model import HIDDEN
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 from rl_tui.worlds.world import World
 
@@ -151,7 +150,7 @@ def outcome_table(
         column("p", chances, gap=2 if went else 0),
         column("r", [_reward(leaf, look, secret=secret) for leaf in leaves]),
     )
-    if isinstance(world.drawing, Arms):
+    if world.is_bandit:
         return Table([always])
     values = [leaf.value for leaf in leaves]
     shares = [_share(backup, leaf, leaf.value) for leaf in leaves]

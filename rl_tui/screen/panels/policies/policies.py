@@ -27,7 +27,6 @@ from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back, policy_ink, studied_answer
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 # The table
 
@@ -90,7 +89,7 @@ def _bars(snapshot: Snapshot, look: Look) -> dict[int, Bar]:
 
 
 def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyColumn]:
-    if isinstance(snapshot.world.drawing, Arms):
+    if snapshot.world.is_bandit:
         return [REWARD]
     return [RETURN, VALUE, STEPS, *([ENDS] if may_not_end(known) else [])]
 
@@ -165,7 +164,7 @@ class Policies(Panel, can_focus=True):
         if not self.has_focus:
             return key_hints(("click or tab here to choose", "tab here to choose"), ("esc: close",))
         # arms always show their bars, so there is no V to return to
-        leave = "esc: close" if isinstance(snapshot.world.drawing, Arms) else "esc: back to V"
+        leave = "esc: close" if snapshot.world.is_bandit else "esc: back to V"
         return key_hints(
             ("↑ ↓: which", "↑ ↓"),
             ("enter: keep it in view", "enter: keep"),
@@ -209,7 +208,7 @@ WIDEST: Final = 8  # cells of the widest number
 
 def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
     """Yield the notes, most important first."""
-    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    is_bandit = snapshot.world.is_bandit
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
         yield f"hidden, since returns reveal the arms: {shown_by(snapshot, 'them')}"
         return
@@ -256,7 +255,7 @@ def gaps(snapshot: Snapshot, look: Look) -> Iterator[str]:
         None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
         for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
     )
-    what = "a pull" if isinstance(snapshot.world.drawing, Arms) else "an episode"
+    what = "a pull" if snapshot.world.is_bandit else "an episode"
     if greedy is not None and best is not None:
         gap = best - greedy
         way = "less" if gap > 0.0 else "more"

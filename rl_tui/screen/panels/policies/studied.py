@@ -14,7 +14,6 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import WHILE_RUNNING, PolicyAnswer
 from rl_tui.screen.kit.snapshot_facts import hides_greedy, hides_means, is_secret
 from rl_tui.screen.theme.roles import Palette
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 POLICY_NAMES: Final = {
@@ -59,7 +58,7 @@ def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
 
 def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
     """Return the studied policy, or None if learned."""
-    if isinstance(snapshot.world.drawing, Arms) or studied_answer(snapshot) is None:
+    if snapshot.world.is_bandit or studied_answer(snapshot) is None:
         return None
     return snapshot.answers.studied
 
@@ -98,7 +97,7 @@ def as_studied(snapshot: Snapshot) -> Snapshot:
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.policy is None or answer.v is None or answer.q is None:
         return snapshot
-    if isinstance(snapshot.world.drawing, Arms):
+    if snapshot.world.is_bandit:
         return snapshot
     agent = replace(
         snapshot.agent,

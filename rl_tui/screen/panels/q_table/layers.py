@@ -28,7 +28,6 @@ from rl_tui.screen.kit.snapshot_facts import followed_step, has_estimates
 from rl_tui.screen.kit.value_scale import Ramp, ValueScale, value_scale
 from rl_tui.screen.panels.policies.studied import shown_actions, studied_answer
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
 LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)  # layers without learned numbers
@@ -40,7 +39,7 @@ def policy_q(snapshot: Snapshot) -> Exact | None:
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.q is None or answer.policy is None:
         return None
-    if isinstance(snapshot.world.drawing, Arms):
+    if snapshot.world.is_bandit:
         return None
     return answer.q, shown_actions(snapshot, kind, answer.policy)
 

@@ -25,7 +25,7 @@ from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.mdp.space import IntArray, NumberNames
 from rl_tui.worlds.world import World
 
@@ -46,7 +46,7 @@ class TableWorld:
         self.world = world
         self.space = world.space
         self.glyphs = glyphs
-        self.is_bandit = isinstance(world.drawing, Arms)
+        self.is_bandit = world.is_bandit
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
         cells = len(self.live) * len(self.space.action_names)
         self.is_sparse = len(self.live) == 1 or 2 * self.space.pairs <= cells

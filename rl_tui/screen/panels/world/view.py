@@ -42,7 +42,6 @@ from rl_tui.screen.panels.world.scale_line import (
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 WAITING: Final = "the world is being built"
@@ -376,7 +375,7 @@ class WorldView(DrawnPicture, can_focus=True):
     def named_scale(self) -> NamedScale | None:
         """The colour scale and its word."""
         layer = self.drawn_layer
-        if isinstance(self.world.drawing, Arms) or (self.lacks_table and layer not in WORDS):
+        if self.world.is_bandit or (self.lacks_table and layer not in WORDS):
             return None
         is_known = self.snapshot is not None and len(scale_numbers(self.snapshot, layer)) > 0
         unknown = VEILED if self.veils else ALL_ZERO if is_known else NOTHING_KNOWN

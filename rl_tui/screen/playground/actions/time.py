@@ -7,7 +7,6 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.journal import BRANCHES, JournalScreen, Moment, goto_form, parse_goto, unit_of
 from rl_tui.screen.kit.snapshot_facts import episode_shown
-from rl_tui.worlds.drawing import Arms
 
 
 class TimeActions(Subject):
@@ -88,7 +87,7 @@ class TimeActions(Subject):
             here = f"{unit_of(now)} {episode_shown(now):,}, step {now.counters.step:,}"
             self.screen.tell(f"End of the run so far ({here}). space: continue.")
         if sought is not None and sought == now.timeline.branch:
-            unit = "pull" if isinstance(now.world.drawing, Arms) else "step"
+            unit = "pull" if now.world.is_bandit else "step"
             stays = "as before" if now.timeline.in_past else "its latest step"
             self.screen.tell(f"{now.timeline.current.name}, {unit} {now.counters.step:,}: {stays}")
 

@@ -13,7 +13,6 @@ from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
-from rl_tui.worlds.drawing import Arms
 
 ON_ARMS: Final = "a bandit has breakpoints on arms. tab, arrows: choose one"
 NO_BREAKPOINTS: Final = "there are no breakpoints. t b: set one at the cursor"
@@ -30,7 +29,7 @@ class UntilActions(Subject):
             return "" if self.link.settled is None else why_over(self.link.settled)
         snapshot = self.snapshot
         if deed == "toggle_breakpoint" and snapshot is not None and self._breakpoint_here(snapshot) is None:
-            is_bandit = isinstance(snapshot.world.drawing, Arms)
+            is_bandit = snapshot.world.is_bandit
             return ON_ARMS if is_bandit else "there is no state here to stop at"
         return NO_BREAKPOINTS if deed == "clear_breakpoints" and not self._count else ""
 
@@ -82,7 +81,7 @@ class UntilActions(Subject):
         if isinstance(focused, QTable | ArmsView):
             pair = focused.shown_cursor if isinstance(focused, QTable) else focused.cursor_place
             return None if pair is None else ToggleBreakpoint(pair=pair)
-        if isinstance(snapshot.world.drawing, Arms):
+        if snapshot.world.is_bandit:
             return None
         state: int | None = snapshot.counters.state
         if isinstance(focused, WorldView) and focused.cursor_place is not None:

@@ -32,7 +32,7 @@ from rl_tui.screen.playground.modes.action_keys import (
 )
 from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, WITH_SHIFT, KeyMode
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
 
 # Texts on the screen
@@ -82,7 +82,7 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
     elif worth is not None and (worth.is_known or worth.refused):
         yield (f"no return: {worth.refused or 'it may never end'}",)
     left = answers.left_to_chance
-    if left is not None and not isinstance(world.drawing, Arms):
+    if left is not None and not world.is_bandit:
         yield _left(int(left.sum()))
 
 
@@ -115,7 +115,7 @@ def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
 def hints(world: World) -> Hints:
     """Return the hints for the key line."""
     moves = (("arrows", "cursor"),)
-    if isinstance(world.drawing, Arms):
+    if world.is_bandit:
         draws: Hints = (("enter", "draw"),)
     elif has_directions(world):
         draws = (("shift+arrow", "draw"),)

@@ -359,7 +359,7 @@ class WorldEditing(KeyMode):
         if refused:
             self.screen.refuse(refused)
             return
-        if isinstance(snapshot.world.drawing, Arms) and is_secret(snapshot):
+        if snapshot.world.is_bandit and is_secret(snapshot):
             self.link.send(HideAnswer(is_hidden=False))
             self.screen.tell("The true means are shown now. w h: hide them again.")
         self.toolbox = TOOLBOXES[type(snapshot.world.drawing)]()

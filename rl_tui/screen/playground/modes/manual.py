@@ -24,7 +24,6 @@ from rl_tui.screen.playground.modes.action_keys import (
 )
 from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, KeyMode
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.worlds.drawing import Arms
 
 MANUAL_TITLE: Final = "You are the agent"
 _HAND_BACK: Final = " · y: hand back"
@@ -162,7 +161,7 @@ def _refused(snapshot: Snapshot) -> str:
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     """Return titles of a panel, longest first."""
     state = acts_in(snapshot)
-    if isinstance(snapshot.world.drawing, Arms) or state == snapshot.counters.state:
+    if snapshot.world.is_bandit or state == snapshot.counters.state:
         return (MANUAL_TITLE,)
     start = f"starts at {state_name(snapshot.world, state, glyphs)}"
     return f"{MANUAL_TITLE} · {start}", f"You act · {start}", MANUAL_TITLE
