@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
-import dis
+import inspect
+import linecache
 import sys
 import time
 import weakref
 from collections.abc import Callable
 from functools import wraps
-from itertools import pairwise
-from types import CodeType, FunctionType
+from types import FunctionType
 from typing import Any, Final
 
 import gymnasium
@@ -375,29 +376,23 @@ def _looks_like_a_step(function: FunctionType) -> bool:
     code = function.__code__
     if code.co_argcount < 2 or not ACTION_NAME.search(code.co_varnames[1]):
         return False
-    returns = any(
-        one.opname == "BUILD_TUPLE" and one.arg in _VALUES and after.opname == "RETURN_VALUE"
-        for one, after in pairwise(dis.get_instructions(code))
-    )
-    return returns and _changes_its_object(code)
+    lines = inspect.getblock(linecache.getlines(code.co_filename)[code.co_firstlineno - 1 :])
+    try:
+        nodes = list(ast.walk(ast.parse("".join(("if True:\n", *lines)))))  # they are indented
+    except SyntaxError:
+        return False
+    returned = [each.value for each in nodes if isinstance(each, ast.Return)]
+    changed = [each for each in nodes if isinstance(getattr(each, "ctx", None), ast.Store)]
+    returns = any(isinstance(each, ast.Tuple) and len(each.elts) in _VALUES for each in returned)
+    return returns and any(_is_part_of(each, code.co_varnames[0]) for each in changed)
 
 
-def _changes_its_object(code: CodeType) -> bool:
-    """Return True if a method assigns to an attribute of its first parameter, or to an entry of one."""
-    begins: set[tuple[int | None, int | None]] = set()
-    assigned: set[tuple[int | None, int | None]] = set()
-    for one, after in pairwise(dis.get_instructions(code)):
-        loaded = one.argval if type(one.argval) is tuple else (one.argval,)
-        if one.opname.startswith("LOAD_") and code.co_varnames[0] in loaded:
-            begins.add(_begin_of(one if loaded[0] == code.co_varnames[0] else after))
-        if after.opname in ("STORE_ATTR", "STORE_SUBSCR"):
-            assigned.add(_begin_of(after))
-    return not begins.isdisjoint(assigned - {(None, None)})
-
-
-def _begin_of(instruction: dis.Instruction) -> tuple[int | None, int | None]:
-    places = instruction.positions
-    return (None, None) if places is None else (places.lineno, places.col_offset)
+def _is_part_of(target: ast.AST, name: str) -> bool:
+    """Return True for an attribute of `name`, or an entry of one."""
+    inner = target
+    while isinstance(inner, ast.Attribute | ast.Subscript):
+        inner = inner.value
+    return inner is not target and isinstance(inner, ast.Name) and inner.id == name
 
 
 def _copied(observation: Any) -> Any:
