@@ -230,7 +230,6 @@ class KeyedTable(HeldTable):
     def take(self, table: Any) -> None:
         """Store the table."""
         self._numbers: dict[int, list[float]] = {}
-        self._kept: dict[int, object] = {}
         self._length = -1
         self._read: Any = None  # its entries were compared last, which belong to states
         self._entries: list[object] = []
@@ -308,7 +307,7 @@ class KeyedTable(HeldTable):
         else:
             self._read, self._entries = table, list(map(_copied, entries))
             self._states = list(map(self._state_of, dict.keys(table))) if is_dict else self.numbering.met
-            changed = chain(self._states, self._kept)
+            changed = chain(self._states, self._numbers)
         return [each for each in dict.fromkeys(changed) if each is not None]
 
     def _state_of(self, key: Any) -> int | None:
@@ -324,14 +323,11 @@ class KeyedTable(HeldTable):
             row = self._row(table, state)
         except (LookupError, TypeError, ValueError):
             return
-        now = _comparable(row)
-        if now == self._kept.get(state):
-            return
-        numbers = _numbers(row) if row is not None else [NAN] * self.actions
-        if len(numbers) == self.actions:
-            pairs = zip(self.row(state), numbers, strict=True)
-            add_differences(state * self.actions, pairs, found)
-            self._kept[state], self._numbers[state] = _copied(now), numbers
+        before = self._numbers.get(state)
+        numbers = _numbers(row) if row is not None else before and [NAN] * self.actions
+        if numbers and numbers != before and len(numbers) == self.actions:
+            add_differences(state * self.actions, zip(self.row(state), numbers, strict=True), found)
+            self._numbers[state] = numbers
 
     def _row(self, table: Any, state: int) -> Any:
         key, row = self._key(state), table
