@@ -11,10 +11,8 @@ from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.tables.forms import Doubles, add_difference, differences_of
 from rl_tui.programs.watched.child.tables.keyed_table import form_of
 from rl_tui.programs.watched.child.tables.search import (
-    MISSING,
     EntryWay,
     TableCandidate,
-    Way,
     candidates,
     rank,
     twin_of,
@@ -125,15 +123,11 @@ class TableTracker:
         if self.way.frame is not None and not self._is_running(frame):
             self._follow(frame)
         now = self.way.read()
-        if now is self.table:
+        if now is self.table or form_of(now, self.numbering) is not None:
             return now
-        if now is MISSING or form_of(now, self.numbering) is None:
-            self._search(frame)
-            return self.table if self.way.read() is MISSING else self._fit(self.way.read())
-        return now
-
-    def _fit(self, value: Any) -> Any:
-        return value if form_of(value, self.numbering) is not None else self.table
+        self._search(frame)
+        now = self.way.read()
+        return self.table if form_of(now, self.numbering) is None else now
 
     def _is_running(self, frame: FrameType | None) -> bool:
         mine = self.way.frame
@@ -148,14 +142,11 @@ class TableTracker:
         while above is not None:
             if above.f_code is self._code:
                 way = replace(self.way, frame=above, scope=above.f_locals)
-                if self._fits(way):
+                if form_of(way.read(), self.numbering) is not None:
                     self.way = way
                     return
             above = above.f_back
         self._search(frame)
-
-    def _fits(self, way: Way) -> bool:
-        return form_of(way.read(), self.numbering) is not None
 
     def _search(self, frame: FrameType | None) -> None:
         """Search again, less and less often. The old table is kept until another is found."""
