@@ -7,7 +7,6 @@ from conftest import MakeApp
 from seams import notes, on_screen, playground, press, snapshot, train
 from textual.actions import parse
 
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import fitting
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
@@ -30,7 +29,7 @@ def hints(width: int) -> list[str]:
 
 def line_width(width: int, glyphs: Glyphs) -> int:
     shown, gap = fitting(usual(Place.PLAYGROUND), width, glyphs)
-    texts = [to_ascii(" ".join(action.key_hint), glyphs) for action in shown]
+    texts = [glyphs.spelled(" ".join(action.key_hint)) for action in shown]
     return 1 + sum(map(len, texts)) + gap * (len(shown) - 1)
 
 

@@ -7,7 +7,6 @@ import re
 import pytest
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 
 EQUATIONS = [each.equation for each in (*BY_ID.values(), *POLICY_BY_ID.values())]
@@ -16,19 +15,19 @@ GREEK = "alpha|gamma|epsilon|delta|theta|lambda|tau|pi|sigma|mu|sum"
 
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_an_equation_can_be_read(equation: str) -> None:
-    spelled = to_ascii(equation, ASCII)
+    spelled = ASCII.spelled(equation)
     assert ",*" not in spelled
     assert not re.search(rf"({GREEK})(?!{GREEK})[A-Za-z]", spelled)
     assert "?" not in spelled
-    assert to_ascii(equation, UNICODE) == equation
+    assert UNICODE.spelled(equation) == equation
 
 
 def test_a_star_is_a_product_or_belongs_to_what_is_optimal() -> None:
-    assert to_ascii("r + γ · max Q*(s′,·)", ASCII) == "r + gamma * max Q*(s',a)"
-    assert to_ascii("p·(r + γV)", ASCII) == "p*(r + gamma V)"
+    assert ASCII.spelled("r + γ · max Q*(s′,·)") == "r + gamma * max Q*(s',a)"
+    assert ASCII.spelled("p·(r + γV)") == "p*(r + gamma V)"
     assert {name for name in ASCII.__slots__ if getattr(ASCII, name) == "*"} == {"times"}
-    assert to_ascii("★", ASCII) == ASCII.goal
+    assert ASCII.spelled("★") == ASCII.goal
 
 
 def test_words_are_left_as_they_are() -> None:
-    assert to_ascii("ε-greedy, α_min, SARSA(λ)", ASCII) == "epsilon-greedy, alpha_min, SARSA(lambda)"
+    assert ASCII.spelled("ε-greedy, α_min, SARSA(λ)") == "epsilon-greedy, alpha_min, SARSA(lambda)"

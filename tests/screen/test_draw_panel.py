@@ -16,7 +16,6 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.find import entries_on, found_by
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.keys.registry import ACTIONS
 from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, ToolRows, ToolSheet, fitting
@@ -76,17 +75,17 @@ async def test_every_tool_and_every_number_is_on_screen(
         tools = (*TOOLBOXES[type(snapshot(pilot).world.drawing)]().tools, *ALWAYS)
         for tool in tools:
             written = f"{tool.shown} {tool.label}"
-            assert not tool.in_panel or tool.shown == "w" or to_ascii(written, glyphs) in text, written
+            assert not tool.in_panel or tool.shown == "w" or glyphs.spelled(written) in text, written
         panel = playground(pilot).board.tools
         assert panel.sliders
         for each in panel.sliders:
-            assert to_ascii(each.parameter.symbol, glyphs) in each.render_line(0).text
+            assert glyphs.spelled(each.parameter.symbol) in each.render_line(0).text
             assert panel.region.contains_region(each.region)
         await press(pilot, "w")
         text = screen_text(pilot.app)
         for tool in tools:
             written = f"{tool.key[-1]} {tool.label}"
-            assert not tool.is_in_menu or to_ascii(written, glyphs) in text, written
+            assert not tool.is_in_menu or glyphs.spelled(written) in text, written
         await press(pilot, "escape", "escape")
         assert not pilot.app.screen.query_one(ToolRows).is_on_screen
 

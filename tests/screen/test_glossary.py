@@ -10,7 +10,6 @@ import pytest
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.glossary.glossary import glossary, search, term_at, terms_called
 from rl_tui.screen.kit.row import CONTROLS, LAST_STEP, TABLE, TIMELINE, WORLD, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
@@ -25,7 +24,7 @@ def test_a_term_has_all_that_is_told_of_it() -> None:
         assert not lacks, f"glossary.toml: the term {term.id} lacks {', '.join(lacks)}"
         assert term.text.endswith((".", ":")), term.id
         assert term.is_elsewhere or term.book.startswith(("section", "example")), term.id
-        spelled = [to_ascii(text, ASCII) for text in (*term.names, term.text, term.equation, term.book)]
+        spelled = [ASCII.spelled(text) for text in (*term.names, term.text, term.equation, term.book)]
         assert not [text for text in spelled if "?" in text], "ASCII has no spelling for a character"
 
 

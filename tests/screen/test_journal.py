@@ -33,7 +33,6 @@ from rl_tui.screen.dialogs.journal import (
     journal_lines,
     parse_goto,
 )
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.editing.edit import read_edits
 
@@ -43,7 +42,7 @@ HANDS = tuple(JournalEntry(step, TakeAction(1)) for step in range(3_400, 3_461))
 def words(*journal: JournalEntry, of: Snapshot | None = None, glyphs: Glyphs = UNICODE) -> list[str]:
     snapshot = of or lake()
     lines = journal_lines(journal, snapshot.recipe, snapshot.world, glyphs)
-    return [to_ascii(line.text, glyphs) for line in lines]
+    return [glyphs.spelled(line.text) for line in lines]
 
 
 def test_a_change_tells_what_was_before() -> None:

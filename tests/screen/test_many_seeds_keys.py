@@ -17,7 +17,6 @@ from textual.widgets import OptionList, Static
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import Command, EndStudy, HideAnswer, StudySeeds
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.row import BUDGET, CURVE, MANY_SEEDS, MICROSCOPE, TABLE
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import curve_data
@@ -161,7 +160,7 @@ def test_each_lane_has_its_band(depth: str, ascii: bool) -> None:  # noqa: A002
     if ascii:
         assert "=" in drawn
     error = "+/-" if ascii else "±"
-    assert f"{error} .5, 2) " in to_ascii(made.heading, made.look.glyphs)
+    assert f"{error} .5, 2) " in made.look.glyphs.spelled(made.heading)
 
 
 def test_the_axis_has_room_for_the_mean_of_seeds() -> None:

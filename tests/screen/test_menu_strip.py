@@ -13,7 +13,6 @@ from rl_tui.common.errors import UserError
 from rl_tui.live.commands import Play
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.dialogs.form import Choice, Form
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_sheet import KeySheet
 from rl_tui.screen.frame.menu_strip import MenuStrip
 from rl_tui.screen.keys.action import MENUS, Action
@@ -45,7 +44,7 @@ async def test_every_menu_shows_each_row_whole(
             assert drawn[0].split()[1] == title
             rows = [each for each in playground(pilot).actions if each.menu == key]
             for row in rows:
-                label = to_ascii(row.label, playground(pilot).look.glyphs)
+                label = playground(pilot).look.glyphs.spelled(row.label)
                 assert any(f"{row.letter} {label}" in line for line in drawn), row.id
             assert strip(pilot).menu.region.bottom == size[1]
             await press(pilot, "escape")

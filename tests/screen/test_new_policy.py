@@ -13,7 +13,6 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.live.last_step.step_report import story_of
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.panels.controls.controls import sliders_of
 from rl_tui.screen.panels.controls.settings import settings_of
 from rl_tui.screen.panels.curve.data import curve_data
@@ -29,7 +28,7 @@ def test_what_a_row_says_can_be_spelled_in_ascii(row: Algorithm | Policy) -> Non
     said = [row.name, row.summary, row.equation, row.source]
     if isinstance(row, Algorithm):
         said += [each for each in astuple(row.update) if isinstance(each, str)]
-    assert "?" not in to_ascii(" ".join(said), ASCII)
+    assert "?" not in ASCII.spelled(" ".join(said))
 
 
 def chosen_by(policy: str, *, explored: bool = False) -> Snapshot:

@@ -16,7 +16,6 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.screen.dialogs.form import Choice, Prompt
 from rl_tui.screen.dialogs.options import Options, in_force
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.model import ModelPanel
 from rl_tui.screen.panels.status_line import StatusLine
@@ -173,7 +172,7 @@ def test_what_is_in_force_is_said_in_plain_words() -> None:
 
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_every_option_says_what_it_is_where_there_is_least_room(name: str) -> None:
-    meaning = to_ascii(in_force(name, Hyperparameters())[1], ASCII)
+    meaning = ASCII.spelled(in_force(name, Hyperparameters())[1])
     assert 0 < len(meaning) <= 17
     assert meaning != name.replace("_", " ")
 

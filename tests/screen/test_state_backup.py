@@ -17,7 +17,6 @@ from rl_tui.runs.library import find, recipe_for
 from rl_tui.runs.recipe import OrderSweep, SetParameter, SwitchAlgorithm
 from rl_tui.runs.run import Run
 from rl_tui.screen.draw.precision import last_digit, parsed
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.last_step.last_step import LastStepPanel
@@ -232,7 +231,7 @@ def test_rewards_that_drift_are_not_taken_apart() -> None:
     text = text_of(snapshot_of(run))
     assert not any(each.worked_out for each in text.actions)
     assert text.left == "V"
-    assert to_ascii(text.law, UNICODE)
+    assert UNICODE.spelled(text.law)
 
 
 @pytest.mark.parametrize("width", [40, 60, 120])

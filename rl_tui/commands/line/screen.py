@@ -256,10 +256,8 @@ def _run_app(display: Display, start: Start) -> None:
 
 
 def _tell_what_is_kept(kept: KeptSession, glyphs: Glyphs) -> None:
-    from rl_tui.screen.draw.to_ascii import separated
-
     with suppress(OSError):
-        complain(f"saved: {separated(kept.title, glyphs)}, at step {kept.step:,}")
+        complain(f"saved: {glyphs.separated(kept.title)}, at step {kept.step:,}")
         complain(f"continue with: rl-tui play {command_line([str(kept.path)])}")
 
 

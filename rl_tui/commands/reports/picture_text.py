@@ -20,7 +20,6 @@ from rl_tui.commands.line.output import alike, columns, number
 from rl_tui.common.words import counted
 from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import ASCII
 from rl_tui.screen.theme.look import can_encode, depth_of, palette_for
 from rl_tui.studies.book_figures.catalogue import BOOK, BookFigure
@@ -176,13 +175,13 @@ def picture_text(picture: Picture, columns: int, depth: Depth = "none", *, ascii
             else atlas_lines(panel, columns, depth)
         )
     text = "\n".join([*lines, "", *(fill(note, columns) for note in picture.notes)])
-    return to_ascii(text, ASCII) if ascii_only else text
+    return ASCII.spelled(text) if ascii_only else text
 
 
 def _chart_lines(chart: Chart, columns: int, depth: Depth, ascii_only: bool) -> Iterator[str]:
     names = [shortened(curve.name, min(_MOST_NAME, columns // 3), "…") for curve in chart.curves]
     if ascii_only:
-        names = [to_ascii(f"{_letter(place)} {name}", ASCII) for place, name in enumerate(names)]
+        names = [ASCII.spelled(f"{_letter(place)} {name}") for place, name in enumerate(names)]
     left = max(map(len, chart.y.labels), default=0) + 1
     width = max(_LEAST_COLUMNS, columns - left - 2 - max(map(len, names), default=0))
     codes, owners = _cells(chart, width)

@@ -30,7 +30,6 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.runs.recipe import begin
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.opening import DrawingStart, Opener, Start, beginning_of
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.frame.message_line import Messages, complain
 from rl_tui.screen.keys.bindings import bindings_everywhere, stopping_keys
@@ -209,7 +208,7 @@ class RlTuiApp(LinkedApp[UserError]):
     def on_notify(self, event: Notify) -> None:
         """Show a notification in the message line."""
         event.prevent_default()  # Textual would draw it over the screen
-        event.notification.message = to_ascii(event.notification.message, self.look.glyphs)
+        event.notification.message = self.look.glyphs.spelled(event.notification.message)
         self.messages.note(event.notification)
 
     def clear_notifications(self) -> None:

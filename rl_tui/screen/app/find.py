@@ -22,7 +22,6 @@ from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import StoredSession, sessions_in
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen, Ask, Put
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.keys.action import Action
@@ -138,7 +137,7 @@ class FindScreen(Dialog[Findable]):
         self.query_one(Static).update(self._written(shortened(sentence, _SENTENCE, "…")))
 
     def _written(self, text: str) -> str:
-        return to_ascii(text, self._look.glyphs)
+        return self._look.glyphs.spelled(text)
 
 
 # Ranking

@@ -24,7 +24,6 @@ from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, centred
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.atlas.cells import CellGrid
 from rl_tui.studies.atlas.figures import Atlas, AtlasState
@@ -88,9 +87,9 @@ class AtlasScene:
         if value is not None:
             return numbers.value(value, width, self.look.glyphs)
         if index in self.atlas.impossible:
-            return to_ascii(IMPOSSIBLE, self.look.glyphs)
+            return self.look.glyphs.spelled(IMPOSSIBLE)
         has_failed = cell is not None and cell.failed == cell.runs > 0
-        return FAILED[:width] if has_failed else to_ascii(NOT_DONE, self.look.glyphs)
+        return FAILED[:width] if has_failed else self.look.glyphs.spelled(NOT_DONE)
 
     def mark(self, index: int) -> str:
         """Mark what is best, or tied with the best."""
@@ -145,7 +144,7 @@ class MapPicture:
                 y = self.place(row * self.columns)[1] + (self.tall - 1) // 2
                 style = palette.strong if row == current[0] else palette.dim
                 canvas.put(0, y, f"{value_name(upwards, row):>{self.label - 1}}", style)
-        canvas.put(0, 0, to_ascii(names, scene.look.glyphs), palette.dim)
+        canvas.put(0, 0, scene.look.glyphs.spelled(names), palette.dim)
         for column in range(self.columns):
             style = palette.strong if column == current[-1] else palette.dim
             text = centred(value_name(across, column), self.field)
@@ -347,7 +346,7 @@ class AtlasDialog(Dialog[Recipe]):
     def compose(self) -> ComposeResult:
         """Yield metric, map and line."""
         names = " × ".join(map(setting_name, self._request.variations))
-        with self.box(separated(f"Settings map · {names}", self._look.glyphs), ""):
+        with self.box(self._look.glyphs.separated(f"Settings map · {names}"), ""):
             yield Static(id="measure", markup=False)
             yield Static(id="head", classes="hint", markup=False)
             yield AtlasMap(self._scene)
@@ -400,7 +399,7 @@ class AtlasDialog(Dialog[Recipe]):
             "#cell": cell_line(scene),
         }
         for name, text in texts.items():
-            self.query_one(name, Static).update(to_ascii(text, glyphs))
+            self.query_one(name, Static).update(glyphs.spelled(text))
         self.query_one("#box").border_subtitle = _KEYS.format(self._request.seeds[self._seed])
 
     def on_atlas_map_cell_pointed(self, event: AtlasMap.CellPointed) -> None:

@@ -26,7 +26,6 @@ from rl_tui.live.sessions.session import StoredSession
 from rl_tui.screen.catalogue.facts import minutes_of_page
 from rl_tui.screen.catalogue.session_text import algorithm_name, short_age
 from rl_tui.screen.draw.canvas import shortened, wrapped
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.frame.shape import MEDIUM_HEIGHT, ROOMY_HEIGHT
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -140,7 +139,7 @@ class Doors(Widget, can_focus=True):
         if height == _TALL:
             lines = wrapped(door.text, max(1, room), self._look.palette.text, self._look)
             rows = [title, *[*(line[0].text for line in lines), ""][:2], door.state]
-        return [separated(row, glyphs) for row in rows]
+        return [glyphs.separated(row) for row in rows]
 
 
 def learn_door(found: LessonEntries | None) -> Door:

@@ -20,7 +20,6 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.screen.draw.canvas import Piece, strips_of, wrapped
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
@@ -91,7 +90,7 @@ class Prose(Widget):
             before = f"{heading}: " if heading and inline else ""
             block = wrapped(f"{before}{text}", width, palette.text, self._look)
             if heading and not inline:
-                title = [Piece(to_ascii(heading, self._look.glyphs), palette.strong)]
+                title = [Piece(self._look.glyphs.spelled(heading), palette.strong)]
                 block = [*([[]] if lines else []), title, *block]
             if lines and len(lines) + len(block) > most:
                 break
@@ -152,7 +151,7 @@ def defaults(values: Mapping[str, object]) -> str:
 def size_line(world: World | UserError | None, look: Look) -> RenderableType:
     """Return sizes in a row, or an error."""
     if isinstance(world, UserError):
-        return Text(to_ascii(sizes(world), look.glyphs), look.palette.text)
+        return Text(look.glyphs.spelled(sizes(world)), look.palette.text)
     return PartsLine(sizes(world), look)
 
 
@@ -173,12 +172,12 @@ class PartsLine(FullWidth):
         parts = self._parts
         while len(parts) > 1 and cell_len(_DOT.join(parts)) > options.max_width:
             parts = parts[:-1]
-        yield Text(separated(_DOT.join(parts), self._look.glyphs), self._look.palette.dim, no_wrap=True)
+        yield Text(self._look.glyphs.separated(_DOT.join(parts)), self._look.palette.dim, no_wrap=True)
 
 
 def faults_text(what: str, faults: Iterable[object], look: Look) -> Text:
     """Return ``what``, and a paragraph per error."""
     text = Text(f"{what}\n", look.palette.text)
     for fault in faults:
-        text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
+        text.append(look.glyphs.spelled(f"\n{fault}\n"), look.palette.bad)
     return text

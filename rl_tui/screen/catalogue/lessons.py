@@ -37,7 +37,6 @@ from rl_tui.live.sessions.session import StoredSession
 from rl_tui.runs.recipe import begin
 from rl_tui.screen.catalogue.facts import faults_text, labelled, minutes_of_page
 from rl_tui.screen.catalogue.scenario_list import Heading, ListRow, ListScreen, faulty_row
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
@@ -70,13 +69,13 @@ def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
     """Return details, and the ``following`` title."""
     lesson, palette = entry.lesson, look.palette
     lines = {"then": following} if following else {}
-    rows = [(label, Text(separated(line, look.glyphs))) for label, line in (_lines(entry) | lines).items()]
+    rows = [(label, Text(look.glyphs.separated(line))) for label, line in (_lines(entry) | lines).items()]
     goals = [f"{goal[0].lower()}{goal[1:]}" for goal in lesson.goals]
-    dash = Text(to_ascii("–", look.glyphs))
+    dash = Text(look.glyphs.spelled("–"))
     return Group(
-        Text(to_ascii(lesson.summary, look.glyphs), palette.text),
+        Text(look.glyphs.spelled(lesson.summary), palette.text),
         Text("\nYou will be able to", palette.strong),
-        labelled([(dash, Text(to_ascii(goal, look.glyphs))) for goal in goals], look),
+        labelled([(dash, Text(look.glyphs.spelled(goal))) for goal in goals], look),
         Text(""),
         Text(_pages(entry, look), palette.text),
         labelled(rows, look),
@@ -88,7 +87,7 @@ def mark_of(entry: LessonEntry, look: Look) -> str:
     if entry.progress is None:
         return ""
     if entry.is_finished:
-        return to_ascii(DONE, look.glyphs)
+        return look.glyphs.spelled(DONE)
     return look.glyphs.progress[entry.is_at_end]
 
 
@@ -103,7 +102,7 @@ def _pages(entry: LessonEntry, look: Look) -> str:
     done, glyphs = pages_done(entry), look.glyphs
     here = glyphs.progress[0] if entry.progress is not None and not entry.is_at_end else ""
     to_come = glyphs.untried * (len(entry.lesson.pages) - done - len(here))
-    return f"{to_ascii(DONE, glyphs) * done}{here}{to_come}"
+    return f"{glyphs.spelled(DONE) * done}{here}{to_come}"
 
 
 def progress_line(found: LessonEntries) -> str:
@@ -259,7 +258,7 @@ class LessonsScreen(ListScreen):
             self.deliver(self._list_lessons, found)
 
     def _list_lessons(self, found: LessonEntries) -> None:
-        self.query_one("#progress", Static).update(f" {separated(progress_line(found), self.look.glyphs)}")
+        self.query_one("#progress", Static).update(f" {self.look.glyphs.separated(progress_line(found))}")
         self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at or found.goes_on_at)
         self.show_current()
         self._read.set()

@@ -26,7 +26,6 @@ from rl_tui.runs.results import RunResults
 from rl_tui.runs.run import Run
 from rl_tui.screen.catalogue.facts import PartsLine
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.catalogue import YOURS, group_of
 from rl_tui.worlds.files.scenario import Scenario
@@ -162,7 +161,7 @@ def last_run_text(run: LastRun, width: int, look: Look) -> Text:
         for row in reversed(range(_ROWS)):
             parts = np.clip(filled - row * (len(_EIGHTHS) - 1), 0, len(_EIGHTHS) - 1)
             text.append("".join(eighths[part] for part in parts) + "\n", look.palette.episodes)
-    text.append(separated(run.told, look.glyphs), look.palette.dim)
+    text.append(look.glyphs.separated(run.told), look.palette.dim)
     return text
 
 

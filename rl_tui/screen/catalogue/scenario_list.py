@@ -24,7 +24,6 @@ from rl_tui.common.words import counted
 from rl_tui.live.sessions.session import StoredSession
 from rl_tui.screen.catalogue.facts import FullWidth
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.kit.bindings import ListInput, RowList, binding
@@ -46,7 +45,7 @@ class ListRow(FullWidth):
     """``mark``, ``title`` (shortened if needed) and ``size``."""
 
     def __init__(self, mark: str, title: str, size: str, look: Look) -> None:
-        self._mark, self._title, self._size = mark, to_ascii(title, look.glyphs), to_ascii(size, look.glyphs)
+        self._mark, self._title, self._size = mark, look.glyphs.spelled(title), look.glyphs.spelled(size)
         self._look = look
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
@@ -68,7 +67,7 @@ class Heading(FullWidth):
     """A title, then a rule, which may end with a column's ``head``."""
 
     def __init__(self, title: str, look: Look, head: str = "") -> None:
-        self._title, self._look = to_ascii(title, look.glyphs), look
+        self._title, self._look = look.glyphs.spelled(title), look
         self._end = f" {head}" if head else ""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
@@ -215,8 +214,8 @@ class ScenarioList(RowList):
 
 def has_words(text: str, words: str) -> bool:
     """Return whether ``words`` occur, in any spelling (8x8 for 8×8)."""
-    spelled = to_ascii(text, ASCII).casefold()
-    return all(word in spelled for word in to_ascii(words, ASCII).casefold().split())
+    spelled = ASCII.spelled(text).casefold()
+    return all(word in spelled for word in ASCII.spelled(words).casefold().split())
 
 
 # The filter
@@ -259,7 +258,7 @@ class Filter(Horizontal):
 
     def tell(self, found: str) -> None:
         """Show what was found."""
-        self.query_one("#filter-found", Static).update(separated(found, self._look.glyphs))
+        self.query_one("#filter-found", Static).update(self._look.glyphs.separated(found))
 
 
 # A screen with lists

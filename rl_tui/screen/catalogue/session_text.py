@@ -29,7 +29,6 @@ from rl_tui.screen.catalogue.facts import FullWidth, labelled
 from rl_tui.screen.catalogue.scenario_list import ListScreen
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.kit.bindings import RowList
 from rl_tui.screen.theme.look import Look
@@ -122,10 +121,10 @@ class SessionRow(FullWidth):
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         glyphs, width = self._look.glyphs, options.max_width
         room = max(1, width - cell_len(self._number) - cell_len(self._age) - 1)
-        title = f"{shortened(to_ascii(self._title, glyphs), room, glyphs.ellipsis)}{self._number}"
+        title = f"{shortened(glyphs.spelled(self._title), room, glyphs.ellipsis)}{self._number}"
         gap = " " * max(1, width - cell_len(title) - cell_len(self._age))
         yield Text(f"{title}{gap}{self._age}", no_wrap=True)
-        yield Text(shortened(separated(self._line, glyphs), width, glyphs.ellipsis), no_wrap=True)
+        yield Text(shortened(glyphs.separated(self._line), width, glyphs.ellipsis), no_wrap=True)
 
 
 def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
@@ -151,7 +150,7 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         "saved": f"{long_age(now - session.saved)} · {session.saved.astimezone():%Y-%m-%d %H:%M}",
         "file": one_line(str(session.path), _LONGEST_PATH),
     }
-    rows = [(label, Text(separated(line, glyphs), overflow="fold")) for label, line in lines.items()]
+    rows = [(label, Text(glyphs.separated(line), overflow="fold")) for label, line in lines.items()]
     return Group(labelled(rows, look), Text(""), Text(_how_long(session), palette.dim))
 
 
@@ -169,7 +168,7 @@ def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Lo
     for session in sessions[:_MOST_OWN]:
         age = short_age(now - session.saved, session.saved)
         line = f"{age:<6} {algorithm_name(session.algorithm)} · step {session.step:,}"
-        lines.append(Text(separated(line, look.glyphs), look.palette.text, no_wrap=True, overflow="crop"))
+        lines.append(Text(look.glyphs.separated(line), look.palette.text, no_wrap=True, overflow="crop"))
     return Group(*lines)
 
 
@@ -241,7 +240,7 @@ class SessionList(RowList):
                 alike[key] += 1
                 yield Option(SessionRow(entry, now, self.look, next(different), alike[key]))
             else:
-                name = to_ascii(one_line(entry.path.name, _LONGEST_NAME), self.look.glyphs)
+                name = self.look.glyphs.spelled(one_line(entry.path.name, _LONGEST_NAME))
                 yield Option(Text(f"{name}\n  faulty", no_wrap=True))
 
 

@@ -11,7 +11,6 @@ from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparam
 from rl_tui.common.errors import UserError
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.dialogs.form import Candidate, Choice, Form, Prompt, TypedLine
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.panels.controls.settings import option_text
 from rl_tui.screen.panels.controls.slider_picture import parsed
@@ -89,11 +88,11 @@ def ask_value(name: str, value: float | str, glyphs: Glyphs, *, another_run: boo
         try:
             return parsed(text, parameter)
         except ValueError:
-            raise ValueError(to_ascii(_expected(parameter), glyphs)) from None
+            raise ValueError(glyphs.spelled(_expected(parameter))) from None
 
     title = "Initial Q" if name == "initial_q" else parameter.symbol
     hint = f"{parameter.help}{word}{starts}"
-    return Prompt(to_ascii(title, glyphs), to_ascii(hint, glyphs), option_text(value), read)
+    return Prompt(glyphs.spelled(title), glyphs.spelled(hint), option_text(value), read)
 
 
 def ask_seed(seed: int, glyphs: Glyphs) -> Form:

@@ -23,7 +23,6 @@ from rl_tui.screen.dialogs.form import MARKS, Candidate, Choice, Form
 from rl_tui.screen.dialogs.options import SettingChoice
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import current_study, hides_greedy, keeps_back, recent_name
 from rl_tui.screen.panels import seed_figures
 from rl_tui.screen.panels.budget import sum_decimals, sum_text
@@ -107,7 +106,7 @@ def _columns(
     lanes: Sequence[LaneView], study: SeedStudy | None, look: Look, *, hidden: bool
 ) -> list[_Column]:
     nothing = [""] * len(lanes)
-    algorithms = [to_ascii(algorithm_row(lane.algorithm).name, look.glyphs) for lane in lanes]
+    algorithms = [look.glyphs.spelled(algorithm_row(lane.algorithm).name) for lane in lanes]
     steps = [numbers.count(lane.step, _STEP) for lane in lanes]
     recent = [lane.results.return_last_100 for lane in lanes]
     greedy = [lane.results.greedy_return for lane in lanes]
@@ -123,7 +122,7 @@ def _columns(
         found = seed_figures.figure_decimals(figure, study)
         estimates = (lane.estimates.get(figure.id) for lane in study.lanes)
         return [
-            to_ascii(seed_figures.estimate_text(each, found, look.glyphs), look.glyphs) for each in estimates
+            look.glyphs.spelled(seed_figures.estimate_text(each, found, look.glyphs)) for each in estimates
         ]
 
     width = max(map(cell_len, ("algorithm", *algorithms)))
@@ -251,14 +250,14 @@ class RunTable(Form):
             seeds = whole if cell_len(whole) <= free else seeds
         found = []
         for number, lane in enumerate(lanes):
-            own = row(to_ascii(lane.name, look.glyphs), [column.own[number] for column in columns])
+            own = row(look.glyphs.spelled(lane.name), [column.own[number] for column in columns])
             below = row(seeds, [column.of_seeds[number] for column in columns], empty) if seeds else ""
             found.append((own, below))
         return row("run", [column.head for column in columns]), found
 
     def about(self, candidate: Candidate) -> str:
         """Describe how far to trust the numbers."""
-        return to_ascii("\n".join(self.about_lanes), self.glyphs)
+        return self.glyphs.spelled("\n".join(self.about_lanes))
 
     def choose(self, id: str) -> None:  # noqa: A002
         """Answer the run to control."""

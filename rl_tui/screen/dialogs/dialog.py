@@ -15,7 +15,6 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import key_at
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -85,8 +84,8 @@ class Confirm(Dialog[bool]):
 
     def compose(self) -> ComposeResult:
         """Yield the question."""
-        with self.box(to_ascii(self._title, self._glyphs), f"enter: {self._verb}   esc: close"):
-            yield Static(to_ascii(self._question, self._glyphs), markup=False)
+        with self.box(self._glyphs.spelled(self._title), f"enter: {self._verb}   esc: close"):
+            yield Static(self._glyphs.spelled(self._question), markup=False)
 
     def action_confirm(self) -> None:
         """Answer yes."""

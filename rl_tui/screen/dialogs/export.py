@@ -19,7 +19,6 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.training.seeded_runs import OnProgress
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
@@ -85,7 +84,7 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
             raise ValueError(str(fault)) from fault
 
     hint = "The name of a new file, in this folder unless you name another."
-    return Prompt(to_ascii(title, glyphs), hint, name, read, "write")
+    return Prompt(glyphs.spelled(title), hint, name, read, "write")
 
 
 class CommandLine(Dialog[str]):

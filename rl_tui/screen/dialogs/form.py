@@ -18,7 +18,6 @@ from textual.widgets.option_list import Option
 
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import RowList, as_sentence
 from rl_tui.screen.theme.glyphs import UNICODE, Glyphs
 
@@ -121,9 +120,9 @@ class Form(Dialog[Any]):
 
     def compose(self) -> ComposeResult:
         """Yield line, list and text."""
-        with self.box(to_ascii(self._title, self.glyphs), ""):
+        with self.box(self.glyphs.spelled(self._title), ""):
             if self._question:
-                yield Static(to_ascii(self._question, self.glyphs), id="question", markup=False)
+                yield Static(self.glyphs.spelled(self._question), id="question", markup=False)
             if self.entry is not None:
                 yield Input(self.entry.text, select_on_focus=True, compact=True, max_length=_LONGEST)
             if self.candidates:
@@ -147,7 +146,7 @@ class Form(Dialog[Any]):
         blank = int(height >= _BLANK_FROM and bool(self.candidates) and about.display)
         about.styles.margin = (blank, 0, 0, 0)
         foot = next((each for each in self._feet if cell_len(each) < self.room), self._feet[-1])
-        self.query_one("#box").border_subtitle = to_ascii(foot, self.glyphs)
+        self.query_one("#box").border_subtitle = self.glyphs.spelled(foot)
         if self.candidates:
             question = len(textwrap.wrap(self._question, self.room)) if self._question else 0
             taken = _BORDER + ABOUT_ROWS * about.display + blank + question + int(self.entry is not None)
@@ -188,7 +187,7 @@ class Form(Dialog[Any]):
     def describe(self, candidate: Candidate) -> Text:
         """Return the row: number, cursor, name, value and words."""
         if not candidate.id:
-            return Text(to_ascii(shortened(candidate.name, self.room, self.glyphs.ellipsis), self.glyphs))
+            return Text(self.glyphs.spelled(shortened(candidate.name, self.room, self.glyphs.ellipsis)))
         name, room = self._named(candidate), self.room - MARKS
         if self._columns:
             body = Text(shortened(self._row(candidate, room), room, self.glyphs.ellipsis))
@@ -326,7 +325,7 @@ class Form(Dialog[Any]):
         return self._spelled(f"{candidate.name}{CURRENT if candidate.id == self.current else ''}")
 
     def _spelled(self, text: str) -> str:
-        return to_ascii(text, self.glyphs)
+        return self.glyphs.spelled(text)
 
     def _show_rows(self, at: str | None) -> None:
         self._fit()
@@ -354,7 +353,7 @@ class Form(Dialog[Any]):
         about = self.query_one("#about", Static)
         about.set_class(is_fault, "error")
         about.set_class(not is_fault, "hint")
-        about.update(to_ascii(text, self.glyphs))
+        about.update(self.glyphs.spelled(text))
 
 
 class Choice(Form):

@@ -16,7 +16,6 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.dialogs.form import Candidate, Form, Prompt
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.names import breakpoint_names, estimate_name
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import episode_shown, episodes_begun, is_secret
 from rl_tui.screen.theme.glyphs import Glyphs
 
@@ -166,7 +165,7 @@ def _ask_value(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
 
     hint = f"it is {now} now. The run pauses when it reaches or passes your value"
     title = f"Run until {estimate_name(snapshot.world, pair, glyphs)} reaches"
-    return Prompt(to_ascii(title, glyphs), to_ascii(hint, glyphs), "", read)
+    return Prompt(glyphs.spelled(title), glyphs.spelled(hint), "", read)
 
 
 def _value(snapshot: Snapshot, pair: int, glyphs: Glyphs) -> str:

@@ -25,7 +25,6 @@ from rl_tui.runs.answers.first_update_words import (
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.precision import magnitude
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import RowList, as_sentence
 from rl_tui.screen.kit.snapshot_facts import ANSWER_KEPT, hides_means, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -76,7 +75,7 @@ class Why(Dialog[Remedy]):
         is_hidden = hides_means(snapshot)
         sentences = _said_in_secret(snapshot) if is_hidden else said(snapshot, self._look.glyphs)
         words = "\n".join(sentences)
-        self.query_one("#said", Static).update(to_ascii(words, self._look.glyphs))
+        self.query_one("#said", Static).update(self._look.glyphs.spelled(words))
         remedies = {} if is_hidden else {remedy.setting: remedy for remedy in remedies_of(snapshot)}
         for part in ("#head", "OptionList", "#about"):
             self.query_one(part).display = bool(remedies)
@@ -97,7 +96,7 @@ class Why(Dialog[Remedy]):
         # one line each, so that the box keeps its size
         is_initial = parameter.name == "initial_q"
         about = _STARTS_AGAIN if is_initial else parameter.help.partition(";")[0]
-        self.query_one("#about", Static).update(to_ascii(about, self._look.glyphs))
+        self.query_one("#about", Static).update(self._look.glyphs.spelled(about))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Answer the remedy under the cursor."""
@@ -106,7 +105,7 @@ class Why(Dialog[Remedy]):
             self.dismiss(remedy)
 
     def _row(self, cells: Iterable[str]) -> str:
-        first, *figures = (to_ascii(cell, self._look.glyphs) for cell in cells)
+        first, *figures = (self._look.glyphs.spelled(cell) for cell in cells)
         name, *widths = _COLUMNS
         aligned = [f"{text:>{width}}" for text, width in zip(figures, widths, strict=True)]
         return "".join((first, " " * (name - cell_len(first)), *aligned))

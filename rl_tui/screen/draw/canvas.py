@@ -12,7 +12,6 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 
 # A sheet of cells
@@ -165,7 +164,7 @@ def spelled(line: Line, look: Look) -> list[Piece]:
     """Write ``line`` in the terminal's characters."""
     if look.glyphs.name != "ascii":
         return list(line)
-    return [Piece(to_ascii(piece.text, look.glyphs), piece.style) for piece in line]
+    return [Piece(look.glyphs.spelled(piece.text), piece.style) for piece in line]
 
 
 def length(line: Line) -> int:
@@ -214,7 +213,7 @@ def wrapped(
     lines: list[str] = []
     current = first
     is_begun = False
-    for word in to_ascii(text, look.glyphs).split(" "):
+    for word in look.glyphs.spelled(text).split(" "):
         shown = word.replace(KEPT_BLANK, " ")
         candidate = f"{current} {shown}" if is_begun else current + shown
         if is_begun and cell_len(candidate) > width:

@@ -15,7 +15,6 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.message_line import tell
 from rl_tui.screen.frame.shape import MESSAGE_HEIGHT, ROOMY_HEIGHT, ROOMY_WIDTH
@@ -60,7 +59,7 @@ class TooSmall(Static):
         """Name the actual and the needed size."""
         width, height = self.app.size
         text = f"terminal too small: is {width}×{height}, needs {LEAST_WIDTH}×{LEAST_HEIGHT}"
-        self.update(to_ascii(text, self.look.glyphs))
+        self.update(self.look.glyphs.spelled(text))
 
 
 class ActionScreen(Screen[None]):

@@ -19,7 +19,6 @@ from textual.widgets.option_list import Option
 
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.frame.key_sheet import FIND, KEYS, PAGES, WORDS, KeySheet, tabs
 from rl_tui.screen.frame.number_here import NumberHere, number_here
 from rl_tui.screen.glossary.glossary import (
@@ -158,14 +157,14 @@ class GlossaryScreen(Dialog[str]):
     def _figure(self, term: GlossaryTerm) -> str:
         if term.figure is None:
             return ""
-        return self._written(separated(f"{figure_text(term.figure, self._setting)}\n\n", self._look.glyphs))
+        return self._written(self._look.glyphs.separated(f"{figure_text(term.figure, self._setting)}\n\n"))
 
     def _show(self, text: Text) -> None:
         self.query_one("#paragraph", VerticalScroll).scroll_home(animate=False)
         self.query_one(Static).update(text)
 
     def _written(self, text: str) -> str:
-        return to_ascii(text, self._look.glyphs)
+        return self._look.glyphs.spelled(text)
 
 
 # What the person points at

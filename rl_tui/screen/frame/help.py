@@ -13,7 +13,6 @@ from textual.containers import VerticalScroll
 from textual.widgets import Static
 
 from rl_tui.screen.dialogs.dialog import Dialog
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.key_sheet import FIND, KEYS, WORDS, KeyPage, tabs
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -128,12 +127,12 @@ class HelpScreen(Dialog[str]):
             self.call_after_refresh(page.scroll_end, animate=False)
 
     def _lines(self, width: int) -> list[Text]:
-        lines = list[Text]()
+        lines, spelled = list[Text](), self._look.glyphs.spelled
         for term, meaning in self._explanations():
-            words = wrap(to_ascii(meaning, self._look.glyphs), max(1, width - _LEFT), break_on_hyphens=False)
-            name = Text(to_ascii(term, self._look.glyphs).ljust(_LEFT), "" if meaning else "bold")
-            lines.append(name.append(words[0] if words else ""))
-            lines += [Text(f"{' ' * _LEFT}{part}") for part in words[1:]]
+            name, room = Text(spelled(term).ljust(_LEFT), "" if meaning else "bold"), max(1, width - _LEFT)
+            for words in wrap(spelled(meaning), room, break_on_hyphens=False) or [""]:
+                lines.append(name.append(words.ljust(room)))
+                name = Text(" " * _LEFT)
         return lines
 
     def _explanations(self) -> Iterator[tuple[str, str]]:
@@ -153,7 +152,7 @@ def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
     """Return a widget that draws ``markdown``."""
     from textual.widgets import Markdown  # slow to load: must not delay the first paint
 
-    widget = Markdown(to_ascii(markdown, glyphs), open_links=True)
+    widget = Markdown(glyphs.spelled(markdown), open_links=True)
     if glyphs.name == "ascii":
         widget.BULLETS = ["* "]
     return widget

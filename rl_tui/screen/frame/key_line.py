@@ -11,7 +11,6 @@ from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.keys.action import MENUS, Action
 from rl_tui.screen.kit.bindings import key_of_hint
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -49,12 +48,12 @@ def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int, glyphs: Glyp
 def _columns(action: Action, glyphs: Glyphs) -> int:
     """Return the largest width of a hint, which keeps later hints in place."""
     keys, label = action.key_hint
-    widest = max(cell_len(to_ascii(word, glyphs)) for word in (label, action.while_running))
-    return cell_len(to_ascii(keys, glyphs)) + 1 + widest
+    widest = max(cell_len(glyphs.spelled(word)) for word in (label, action.while_running))
+    return cell_len(glyphs.spelled(keys)) + 1 + widest
 
 
 def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
-    texts = [to_ascii(f"{keys} {label}".strip(), glyphs) for keys, label in hints]
+    texts = [glyphs.spelled(f"{keys} {label}".strip()) for keys, label in hints]
     return 1 + sum(map(cell_len, texts)) + gap * (len(texts) - 1)
 
 
@@ -87,8 +86,8 @@ class KeyLine(Widget):
         for number, (keys, label) in enumerate(hints):
             segments += [
                 Segment(" " * gap if number else "", palette.text),
-                Segment(to_ascii(keys, glyphs), palette.press),
-                Segment(to_ascii(f" {label}" if keys else label, glyphs), palette.text),
+                Segment(glyphs.spelled(keys), palette.press),
+                Segment(glyphs.spelled(f" {label}" if keys else label), palette.text),
             ]
         strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)
         return strip.apply_style(self.rich_style)

@@ -15,7 +15,6 @@ from textual.geometry import Size
 from textual.widget import Widget
 
 from rl_tui.screen.dialogs.dialog import Dialog
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.keys.action import MENUS, Action, Group, menu_title
 from rl_tui.screen.theme.look import Look
 
@@ -189,7 +188,7 @@ class KeySheet(Dialog[str]):
         return text.append(f" {label}".ljust(width - keys), style)
 
     def _written(self, text: str) -> str:
-        return to_ascii(text, self._look.glyphs)
+        return self._look.glyphs.spelled(text)
 
 
 def _entry(action: Action) -> _Entry:

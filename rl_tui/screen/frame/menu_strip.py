@@ -17,7 +17,6 @@ from textual.widget import Widget
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.theme.look import Look
 
@@ -75,7 +74,7 @@ class MenuRows(Widget):
             segments = [segment for place in places for segment in self._row(place)]
         else:
             said = wrap(self._said, max(1, width - 2))[y - self.lines - 1 :]
-            segments = [Segment(f" {to_ascii(said[0], self.look.glyphs)}" if said else "", text)]
+            segments = [Segment(f" {self.look.glyphs.spelled(said[0])}" if said else "", text)]
         return Strip(segments).adjust_cell_length(width, text).apply_style(self.rich_style)
 
     @property
@@ -98,8 +97,8 @@ class MenuRows(Widget):
         row, palette, glyphs = self.rows[place], self.look.palette, self.look.glyphs
         is_here = place == self.at
         width = self.size.width // self._columns - _BEFORE_LABEL
-        labels = max(cell_len(to_ascii(each.label, glyphs)) for each in self.rows) + 2
-        text = f"{to_ascii(row.label, glyphs):<{labels}}{to_ascii(row.value, glyphs)}"
+        labels = max(cell_len(glyphs.spelled(each.label)) for each in self.rows) + 2
+        text = f"{glyphs.spelled(row.label):<{labels}}{glyphs.spelled(row.value)}"
         style = palette.dim if row.refused else palette.strong if is_here else palette.text
         return [
             Segment(f" {glyphs.cursor if is_here else ' '} ", palette.press),

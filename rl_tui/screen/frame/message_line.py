@@ -20,7 +20,6 @@ from textual.widget import MountError
 from textual.widgets import Static
 
 from rl_tui.screen.draw.canvas import shortened, wrapped
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.shape import MESSAGE_HEIGHT
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.bindings import as_sentence
@@ -176,7 +175,7 @@ class MessageLine(Static):
         is_fault, has_row = "error" in severities, self.app.size.height >= MESSAGE_HEIGHT
         self.set_class(is_fault, "-error")
         self.set_class("warning" in severities, "-warning")
-        hint = CLOSE if is_fault else "" if has_row else to_ascii(self._first_hint, look.glyphs)
+        hint = CLOSE if is_fault else "" if has_row else look.glyphs.spelled(self._first_hint)
         text = " ".join(map(_sentence, self._messages))
         width = self.app.size.width - _FRAME
         lines = _lines(text, width - cell_len(hint) - _GAP if hint else width, look)

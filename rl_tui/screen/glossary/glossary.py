@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from rl_tui.common.words import counted
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import ASCII, Glyphs
 
 # Terms and search
@@ -138,7 +137,7 @@ def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str], frozen
     signs = set[str]()
     for term in glossary().values():
         for name in term.names:
-            written = to_ascii(name, ASCII) if in_ascii else name
+            written = ASCII.spelled(name) if in_ascii else name
             ids.setdefault(_key(written), term.id)
             if len(name) == 1 and not name.isalnum():
                 signs.add(written)
@@ -167,7 +166,7 @@ def search(query: str) -> tuple[str, ...]:
 
 
 def _rank(term: GlossaryTerm, wanted: str) -> int | None:
-    names = [form.casefold() for name in term.names for form in (name, to_ascii(name, ASCII))]
+    names = [form.casefold() for name in term.names for form in (name, ASCII.spelled(name))]
     if any(name.startswith(wanted) for name in names):
         return 0
     if any(wanted in name for name in names):

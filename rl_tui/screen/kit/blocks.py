@@ -19,7 +19,6 @@ from rl_tui.screen.draw.canvas import (
     spelled,
     wrapped,
 )
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 
 
@@ -104,7 +103,7 @@ class Labelled:
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
         """Return label and body."""
-        label = f" {to_ascii(self.label, look.glyphs)}"
+        label = f" {look.glyphs.spelled(self.label)}"
         if width < self.beside_from:
             below = self.body.lines(width - 3, look)
             return [[Piece(label, self.style)], *([Piece("   ", self.style), *line] for line in below)]
@@ -162,7 +161,7 @@ class Column(NamedTuple):
     def longest(self, look: Look) -> int:
         """Return the longest cell's width."""
         texts = (cell.text if isinstance(cell, Piece) else cell for cell in self.cells if cell is not None)
-        return max((cell_len(to_ascii(text, look.glyphs)) for text in texts), default=0)
+        return max((cell_len(look.glyphs.spelled(text)) for text in texts), default=0)
 
     def pieces(self, look: Look) -> list[Piece]:
         """Return head and cells as displayed."""
@@ -238,7 +237,7 @@ class Table:
             for each in columns:
                 if id(each.cells) not in known:
                     known[id(each.cells)] = each.cells, each.longest(look)
-            heads = [cell_len(to_ascii(each.head, look.glyphs)) for each in columns]
+            heads = [cell_len(look.glyphs.spelled(each.head)) for each in columns]
             wanted = [
                 max(c.width, head, known[id(c.cells)][1]) for c, head in zip(columns, heads, strict=True)
             ]
@@ -362,7 +361,7 @@ class Equation:
         column = 1 + _cells(self.left, look)
         for term in self.terms:
             if term.operator.endswith("("):
-                start = column + cell_len(to_ascii(term.operator, look.glyphs)) - 1
+                start = column + cell_len(look.glyphs.spelled(term.operator)) - 1
             if term.operator == ")":
                 end = column
             column += _cells(term, look)
@@ -398,7 +397,7 @@ def _pair(terms: Sequence[Term], indent: str, look: Look) -> tuple[Line, Line]:
     palette, words, numbers = look.palette, indent, list[Piece]()
     before = indent  # text before the next styled number
     for place, term in enumerate(terms):
-        operator, word, number = (to_ascii(each, look.glyphs) for each in term[:3])
+        operator, word, number = (look.glyphs.spelled(each) for each in term[:3])
         operator = operator if place else operator.lstrip()
         cells = max(cell_len(word), cell_len(number))
         words += operator + word.ljust(cells)
@@ -412,5 +411,5 @@ def _pair(terms: Sequence[Term], indent: str, look: Look) -> tuple[Line, Line]:
 
 
 def _cells(term: Term, look: Look) -> int:
-    operator, word, number = (cell_len(to_ascii(each, look.glyphs)) for each in term[:3])
+    operator, word, number = (cell_len(look.glyphs.spelled(each)) for each in term[:3])
     return operator + max(word, number)

@@ -21,7 +21,6 @@ from textual.widget import Widget
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.bindings import key_of_hint
 from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.theme.look import Look
@@ -89,21 +88,21 @@ def _lines(signs: Legend, width: int, look: Look) -> list[list[Piece]]:
 def legend_text(signs: Legend, room: int, look: Look) -> str:
     """Write the signs that fit a border."""
     entries = _entries(_in_full(signs), look)
-    if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room:
+    if cell_len(look.glyphs.separated(_BETWEEN.join(entries))) > room:
         entries = _entries(signs, look)
     whole = _CLOSER.join(entries)
-    if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room >= cell_len(whole):
+    if cell_len(look.glyphs.separated(_BETWEEN.join(entries))) > room >= cell_len(whole):
         return whole
     text = ""
     for entry in entries:
         longer = f"{text}{_BETWEEN}{entry}" if text else entry
-        if cell_len(separated(longer, look.glyphs)) <= room:
+        if cell_len(look.glyphs.separated(longer)) <= room:
             text = longer
     return text
 
 
 def _entries(signs: Legend, look: Look) -> list[str]:
-    return [f"{sign.sign.strip()} {to_ascii(sign.meaning, look.glyphs)}".strip() for sign in signs]
+    return [f"{sign.sign.strip()} {look.glyphs.spelled(sign.meaning)}".strip() for sign in signs]
 
 
 # The panel
@@ -214,12 +213,12 @@ class BoardPanel(Widget):
     def write_border(self, head: str, foot: str, look: Look) -> None:
         """Write ``head`` above and ``foot`` below."""
         head = f"{look.glyphs.cursor} {head}" if self.is_spotlit else head
-        texts = separated(head, look.glyphs), separated(foot, look.glyphs)
+        texts = look.glyphs.separated(head), look.glyphs.separated(foot)
         if texts == (self.head, self.foot) and look is self._border_look:
             return
         self._border_look = look
         self.head, self.foot = texts
-        title, _, caption = (separated(part, look.glyphs) for part in head.partition(_BETWEEN))
+        title, _, caption = (look.glyphs.separated(part) for part in head.partition(_BETWEEN))
         dim, strong = look.palette.dim, look.palette.strong
         self._heading = [Segment(title, strong)] if title else []
         self._heading += [Segment(f"{_TITLE_GAP}{caption}", dim)] if caption else []
@@ -298,7 +297,7 @@ class Panel(BoardPanel):
     def fitting(self, titles: Iterable[str], width: int) -> str:
         """Return the first fitting title."""
         room = width - BORDER_ENDS - (len(f"{self.look.glyphs.cursor} ") if self.is_spotlit else 0)
-        return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
+        return next((each for each in titles if cell_len(self.look.glyphs.separated(each)) <= room), "")
 
     def redraw(self) -> None:
         """Draw again and refresh the changed rows."""
@@ -328,7 +327,7 @@ class Panel(BoardPanel):
     def on_click(self, event: events.Click) -> None:
         """Press the clicked key."""
         column = self.footing_column(event)
-        key = None if column is None else key_at(separated(self.footing, self.look.glyphs), column)
+        key = None if column is None else key_at(self.look.glyphs.separated(self.footing), column)
         if key is not None:
             event.stop()
             self.app.simulate_key(key)
@@ -346,7 +345,7 @@ class Panel(BoardPanel):
 
     def footing_column(self, event: events.MouseEvent) -> int | None:
         """Return the column in the footing."""
-        text = separated(self.footing, self.look.glyphs)
+        text = self.look.glyphs.separated(self.footing)
         frame = len("╰─ ") if self.styles.border_right[0] else 0
         column = event.x - frame - self.foot.rfind(text)
         is_border = self.styles.border_bottom[0] and event.y == self.outer_size.height - 1
@@ -366,7 +365,7 @@ class Panel(BoardPanel):
         if rows:
             self._rows[-len(rows) :] = rows
         else:
-            taken = cell_len(separated(f"{self.footing} · ", self.look.glyphs)) if self.footing else 0
+            taken = cell_len(self.look.glyphs.separated(f"{self.footing} · ")) if self.footing else 0
             self._border_legend = legend_text(signs, size.width - BORDER_ENDS - taken, self.look)
 
     def _always_free(self, snapshot: Snapshot) -> int:

@@ -15,7 +15,6 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.draw.scale import round_step
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import Palette, faded
@@ -134,7 +133,7 @@ def true_mean_glyph(look: Look) -> str:
 
 def names_width(arms: Sequence[Arm], look: Look) -> int:
     """Measure the longest name."""
-    return min(_MOST_NAME, max((cell_len(to_ascii(arm.name, look.glyphs)) for arm in arms), default=0))
+    return min(_MOST_NAME, max((cell_len(look.glyphs.spelled(arm.name)) for arm in arms), default=0))
 
 
 def value_width(width: int, names: int) -> int:
@@ -184,7 +183,7 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
         canvas.put(0, y, glyphs.cursor, palette.best)
     if arm.last:
         canvas.put(1, y, glyphs.agent, palette.agent)
-    name = shortened(to_ascii(arm.name, glyphs), names, glyphs.ellipsis)
+    name = shortened(glyphs.spelled(arm.name), names, glyphs.ellipsis)
     style = palette.focus if arm.cursor else palette.best if arm.greedy else palette.text
     canvas.put(2 + names - cell_len(name), y, name, style)
     if arm.stops:

@@ -12,7 +12,6 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.bandit import BanditFigures
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, shortened, strips_of
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Labelled, Row, Table, lines_of
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import ANSWER_KEPT, is_secret, keeps_back
@@ -64,7 +63,7 @@ def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
         is_led = group.shown == snapshot.run_group.shown
         style = palette.strong if is_led else palette.text
         mark, name = glyphs.cursor if is_led else " ", group.lanes[group.shown].name
-        name = to_ascii(f" {mark}{group.shown + 1} {name}", glyphs)
+        name = glyphs.spelled(f" {mark}{group.shown + 1} {name}")
         names.append(Piece(shortened(name, _LANE, glyphs.ellipsis), style))
         texts = {"winnings": sum_text(figures.winnings, decimals, look), "a pull": _mean_text(figures, look)}
         if known:
@@ -96,7 +95,7 @@ def _pulls(snapshot: Snapshot, figures: BanditFigures, look: Look) -> Labelled:
     is_spent, drifts = snapshot.playback.phase is Phase.SPENT, mdp is not None and mdp.drift_std > 0.0
     pieces = [
         Piece(f"{figures.pulls:,} of {figures.budget:,}", palette.strong),
-        Piece(separated(" · spent", look.glyphs) if is_spent else "", palette.strong),
+        Piece(look.glyphs.separated(" · spent") if is_spent else "", palette.strong),
         Piece("   r r starts again" if is_spent else "", palette.dim),
         Piece("   means drift" if drifts else "", palette.dim),
     ]

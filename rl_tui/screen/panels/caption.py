@@ -6,7 +6,6 @@ from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Piece, shortened, strips_of
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import has_estimates, has_optimal_policy, valued_states
 from rl_tui.screen.panels.status_line import StatusLine, waiting_line
 
@@ -26,7 +25,7 @@ class CaptionLine(StatusLine):
         if self.replaces_header:
             line = waiting_line(snapshot, look, width, unanswered=self.unanswered, scenario=self.title)
         if line is None and snapshot is not None:
-            text = to_ascii(caption(snapshot), look.glyphs)
+            text = look.glyphs.spelled(caption(snapshot))
             line = [Piece(shortened(text, width, look.glyphs.ellipsis), look.palette.text)]
         return strips_of([line or []], width, height, look)
 

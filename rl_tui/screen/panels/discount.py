@@ -20,7 +20,6 @@ from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.canvas import Line, Piece, kept, strips_of, wrapped
 from rl_tui.screen.draw.names import action_name, state_name
 from rl_tui.screen.draw.precision import fewest_decimals
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import Text
 from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, key_hints, legend_rows
@@ -94,7 +93,7 @@ def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
     for most, verb in _FORMS:
         form = FlipForm(_decimals_of(gammas, least), _decimals_of(returns, most), verb)
         texts = (f"{form.gamma(flip, look)}{_GAP}{form.returns(flip, look)}" for flip in flips)
-        if all(_SIGNS + cell_len(to_ascii(text, look.glyphs)) <= width for text in texts):
+        if all(_SIGNS + cell_len(look.glyphs.spelled(text)) <= width for text in texts):
             break
     return form
 

@@ -21,7 +21,6 @@ from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
 from rl_tui.screen.draw.scale import round_scale
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 from rl_tui.worlds.world import World
@@ -51,7 +50,7 @@ def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Loo
     """Return the actions' lines in ``state``."""
     pairs = shown_pairs(world, world.space.pairs_of(state))
     names = [
-        to_ascii(action_name(world, int(world.space.pair_action[pair]), look.glyphs), look.glyphs)
+        look.glyphs.spelled(action_name(world, int(world.space.pair_action[pair]), look.glyphs))
         for pair in pairs
     ]
     firsts = [name[:1] for name in names]
@@ -98,7 +97,7 @@ def draw_values(
     finite = values[np.isfinite(values)]
     scale = round_scale(*((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)))
     left = value_axis_columns(scale, look)
-    unit = to_ascii(" γ", look.glyphs)
+    unit = look.glyphs.spelled(" γ")
     names = max(cell_len(line.name) for line in lines)
     if names > round(_NAMES_SHARE * (width - left)):
         names = (width - left) // 3

@@ -16,7 +16,6 @@ from textual.widget import Widget
 
 from rl_tui.agents.hyperparameters import Parameter
 from rl_tui.screen.draw.canvas import Canvas, shortened
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel
 from rl_tui.screen.kit.pointing import Touched
 from rl_tui.screen.panels.controls.slider import Slider
@@ -158,7 +157,7 @@ def row_of(cells: Sequence[ToolCell], width: int, look: Look) -> list[ToolLine]:
 
 
 def _key_and_word(x: int, cell: ToolCell, look: Look) -> tuple[tuple[int, str, Style], ...]:
-    palette, (key, word) = look.palette, (to_ascii(each, look.glyphs) for each in (cell.shown, cell.word))
+    palette, (key, word) = look.palette, (look.glyphs.spelled(each) for each in (cell.shown, cell.word))
     inks = (palette.dim, palette.dim) if cell.refused else (palette.press, palette.text)
     return (x, key, inks[0]), (x + cell_len(key) + 1, word, inks[1])
 
@@ -177,7 +176,7 @@ def _about(sheet: ToolSheet, number: int, width: int, look: Look) -> ToolLine:
         name = _text(held, glyphs)
         texts.append((x, name, palette.you + Style(bold=True)))
         x += cell_len(name) + 2
-    forms = [separated(each, glyphs) for each in sheet.about[number]]
+    forms = [glyphs.separated(each) for each in sheet.about[number]]
     text = next((each for each in forms if cell_len(each) <= width - x), forms[-1])
     return ToolLine((*texts, (x, shortened(text, width - x, glyphs.ellipsis), style)))
 
@@ -185,7 +184,7 @@ def _about(sheet: ToolSheet, number: int, width: int, look: Look) -> ToolLine:
 def _line(line: SheetLine, width: int, look: Look) -> ToolLine:
     glyphs, palette = look.glyphs, look.palette
     mark = glyphs.cursor if line.is_on else " "
-    text = shortened(to_ascii(f"{mark}{line.text}", glyphs), width, glyphs.ellipsis)
+    text = shortened(glyphs.spelled(f"{mark}{line.text}"), width, glyphs.ellipsis)
     style = palette.focus if line.is_on else palette.text
     return ToolLine(((0, text, style),), ((range(width), line.number),))
 
@@ -295,7 +294,7 @@ def _sign_columns(width: int) -> int:
 
 
 def _text(cell: ToolCell, glyphs: Glyphs) -> str:
-    return to_ascii(f"{cell.shown} {cell.word}".strip(), glyphs)
+    return glyphs.spelled(f"{cell.shown} {cell.word}".strip())
 
 
 # The panel
@@ -374,7 +373,7 @@ class DrawPanel(Container, BoardPanel):
 
     def _made(self) -> Iterable[Slider]:
         glyphs = self.look.glyphs
-        labels = [cell_len(to_ascii(each.parameter.symbol, glyphs)) for each in self._sheet.numbers]
+        labels = [cell_len(glyphs.spelled(each.parameter.symbol)) for each in self._sheet.numbers]
         for place, number in enumerate(self._sheet.numbers):
             slider = Slider(
                 self.look, number.parameter, number.value, reports_at_once=False, label_columns=max(labels)

@@ -17,7 +17,6 @@ from rl_tui.runs.bandit import true_means
 from rl_tui.runs.history import RECENT
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
 from rl_tui.screen.kit.charts import SeedMarks
@@ -351,13 +350,13 @@ class _Progress:
         count = f"{study.seeds}" if is_whole else f"{study.seeds} of {study.most}"
         said = Piece(f" {count} seeds", palette.strong)
         spans = [
-            Piece(separated(f" · {form}", glyphs), palette.dim)
+            Piece(glyphs.separated(f" · {form}"), palette.dim)
             for form in (self.span, self.span.partition(" ")[2])
             if form
         ]
         forms: list[Line] = [*([said, form] for form in spans), [said], [Piece(f" {count}", palette.strong)]]
         fitting = first_that_fits(forms, width, look)
-        whole = [*forms[0], Piece(separated(" · low priority", glyphs), palette.dim)]
+        whole = [*forms[0], Piece(glyphs.separated(" · low priority"), palette.dim)]
         if study.state in _UNDER_WAY and length(spelled(whole, look)) + _LEAST_BAR + 2 <= width:
             fitting = whole
         room = min(_MOST_BAR, width - length(spelled(fitting, look)) - 2)

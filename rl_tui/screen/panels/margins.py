@@ -9,7 +9,6 @@ from rich.segment import Segment
 from textual.strip import Strip
 
 from rl_tui.screen.draw.canvas import Canvas
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.worlds.drawing import BodyKind, Grid
 
 if TYPE_CHECKING:
@@ -136,7 +135,7 @@ def _titled(strip: Strip, title: Title, part: LabelledPart, is_here: bool, look:
 
 def _placed(title: Title, part: LabelledPart, look: Look) -> tuple[str, int]:
     room = title.columns * part.cell[0]
-    forms = (to_ascii(each, look.glyphs) for each in (title.text, title.brief))
+    forms = (look.glyphs.spelled(each) for each in (title.text, title.brief))
     text = next((each for each in forms if len(each) <= room), "")
     x = (title.column - part.left) * part.cell[0] + (room - len(text)) // 2
     return text, x
@@ -195,6 +194,6 @@ def _put_heading(canvas: Canvas, axes: Axes, look: Look) -> None:
     forms = (f"{ALL_SEEN}, drawn at the middle · {both}", f"{ALL_SEEN} · {both}", both, close)
     text = next((form for form in forms if len(BINS) + 2 + len(form) <= canvas.width), "")
     canvas.put(0, 0, BINS, palette.strong)
-    canvas.put(len(BINS) + 2, 0, to_ascii(text, glyphs), palette.dim)
+    canvas.put(len(BINS) + 2, 0, glyphs.spelled(text), palette.dim)
     end = len(BINS) + 3 + len(text)
     canvas.put(end, 0, glyphs.thin * (canvas.width - end), palette.rule)

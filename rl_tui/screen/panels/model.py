@@ -22,7 +22,6 @@ from rl_tui.screen.draw.action_order import shown_order, shown_outcomes, shown_p
 from rl_tui.screen.draw.canvas import KEPT_BLANK as K
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.precision import column_figure, in_brackets, leading_zeros
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Labelled, Row, Table, Text
 from rl_tui.screen.kit.pointing import NOWHERE, Pointed
@@ -310,7 +309,7 @@ def _listed(items: Sequence[str], room: int, look: Look, *, has_more: bool = Fal
     shown: list[str] = []
     taken = 0
     for number, item in enumerate(items):
-        taken += cell_len(to_ascii(item, look.glyphs)) + 2
+        taken += cell_len(look.glyphs.spelled(item)) + 2
         if taken > 2 * room - 30 and number < len(items) - 1:
             return between.join([*shown, look.glyphs.ellipsis, *([] if has_more else items[-1:])])
         shown.append(item)

@@ -13,7 +13,6 @@ from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, strips_of
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import episode_shown
 from rl_tui.screen.panels.controls.settings import speed_text
@@ -128,18 +127,18 @@ def waiting_line(
         return _waiting(snapshot, text, look, width)
     if snapshot is None:
         room = width - len(f"   {WAITING}")
-        title = shortened(separated(scenario, glyphs), max(0, room), glyphs.ellipsis)
+        title = shortened(glyphs.separated(scenario), max(0, room), glyphs.ellipsis)
         return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {WAITING}", palette.dim)]
     if snapshot.playback.phase is Phase.STOPPED:
         said = snapshot.playback.message
         # the error of a program matters more than the fact that it stopped, which has a sign
         forms = (f"stopped: {said}",) if snapshot.program is None else (said, said.partition(": ")[2] or said)
-        texts = [to_ascii(f" {glyphs.stopped} {each}", glyphs) for each in forms]
+        texts = [glyphs.spelled(f" {glyphs.stopped} {each}") for each in forms]
         fitting = next((each for each in texts if cell_len(each) <= width), texts[-1])
         return [Piece(shortened(fitting, width, glyphs.ellipsis), palette.bad)]
     if snapshot.playback.phase is Phase.PREPARING:
         whole = f"preparing: {snapshot.playback.message}"
-        fits = cell_len(to_ascii(whole, glyphs)) < width
+        fits = cell_len(glyphs.spelled(whole)) < width
         return _waiting(snapshot, whole if fits else snapshot.playback.message, look, width)
     waits = snapshot.editor.rebuilding or snapshot.playback.phase is Phase.SEEKING
     if waits and snapshot.playback.message:
@@ -148,7 +147,7 @@ def waiting_line(
 
 
 def _pieces(field: _Field, look: Look) -> list[Piece]:
-    label, text = (to_ascii(each, look.glyphs) for each in (field.label, field.text))
+    label, text = (look.glyphs.spelled(each) for each in (field.label, field.text))
     blanks = " " * (field.columns - cell_len(label) - cell_len(text) - field.after)
     gap = Piece(" " * _GAP + ("" if label else blanks), look.palette.text)
     shown = [Piece(text, field.style), Piece(" " * field.after, look.palette.text)]
@@ -172,9 +171,9 @@ def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> lis
     palette, glyphs = look.palette, look.glyphs
     first, *others = _names(snapshot, session)
     branch = snapshot.timeline.current.name if len(snapshot.timeline.branches) > 1 else ""
-    name = separated(first, glyphs)
+    name = glyphs.separated(first)
     forms = [filter(None, (*others[:count], branch)) for count in range(len(others), -1, -1)]
-    for each in (separated(_BETWEEN.join(form), glyphs) for form in (*forms, ())):
+    for each in (glyphs.separated(_BETWEEN.join(form)) for form in (*forms, ())):
         details = f"  {each}" if each else ""
         if cell_len(name + details) <= width:
             return [Piece(name, palette.strong), Piece(details, palette.dim)]
@@ -194,7 +193,7 @@ def _names(snapshot: Snapshot, session: str) -> tuple[str, ...]:
 
 def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
     palette, glyphs = look.palette, look.glyphs
-    message = to_ascii(text, glyphs)
+    message = glyphs.spelled(text)
     room = width - 1 - _GAP - cell_len(message)
     title = _title(snapshot, look, room)
     if not title[0].text or (room < _LEAST_TITLE and title[0].text.endswith(glyphs.ellipsis)):
@@ -246,7 +245,7 @@ def _speed(snapshot: Snapshot, *, wide: bool) -> str:
 def _state(look: Look, most: int, doing: tuple[str, str, bool]) -> _Field:
     sign, text, is_mode = doing
     style = (look.palette.you if is_mode else look.palette.strong) + Style(reverse=True)
-    shown = shortened(to_ascii(f"{sign} {text}", look.glyphs), max(_CHIP, most) - 2, look.glyphs.ellipsis)
+    shown = shortened(look.glyphs.spelled(f"{sign} {text}"), max(_CHIP, most) - 2, look.glyphs.ellipsis)
     columns = cell_len(shown) + 2
     return _Field(f" {shown} ", max(_CHIP, columns), style, after=max(0, _CHIP - columns))
 

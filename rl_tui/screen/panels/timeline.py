@@ -22,7 +22,6 @@ from rl_tui.runs.timeline.branches import Branch, Furthest, Timeline
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.pointing import Draggable
@@ -253,12 +252,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         glyphs = look.glyphs
-        self.tooltip = to_ascii(
+        self.tooltip = glyphs.spelled(
             f"Click or drag to go there. {glyphs.goal} first reward, "
             f"{glyphs.policy_mark} greedy policy changed, {glyphs.world_mark} world edited, "
             f"{glyphs.setting_mark} setting changed, {glyphs.manual_mark} your steps, "
-            f"{glyphs.fork_mark} branch begins",
-            glyphs,
+            f"{glyphs.fork_mark} branch begins"
         )
         self.sought: int | None = None
 

@@ -13,7 +13,6 @@ from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparam
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.flip_answer import beyond
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.panels.controls.settings import AgentSettings
@@ -95,9 +94,7 @@ class Controls(Container, BoardPanel):
     def _label_sliders(self) -> None:
         is_line = self.size.height == 1
         names = {each.name: "" if is_line else each.short_name for each in self._parameters}
-        labels = (
-            to_ascii(f"{each.symbol} {names[each.name]}", self.look.glyphs) for each in self._parameters
-        )
+        labels = (self.look.glyphs.spelled(f"{each.symbol} {names[each.name]}") for each in self._parameters)
         columns = 0 if is_line else max(map(cell_len, labels), default=0)
         for place, (name, slider) in enumerate(self._sliders.items()):
             slider.label(names[name], columns, is_pointed_at=self.is_spotlit and is_line and place == 0)

@@ -15,7 +15,6 @@ from textual.widget import Widget
 from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, why_idle
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
@@ -138,7 +137,7 @@ def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyph
 def _cell(start: int, setting: Setting, glyphs: Glyphs) -> SettingCell:
     label = f"{setting.label} " if setting.label and setting.value else setting.label
     texts = (setting.key, f" {label}" if setting.key else label, setting.value)
-    key, label, value = (to_ascii(text, glyphs) for text in texts)
+    key, label, value = (glyphs.spelled(text) for text in texts)
     return SettingCell(start, start + cell_len(key + label + value), setting, key, label, value)
 
 
@@ -164,7 +163,7 @@ class AgentSettings(Widget):
         column = 0
         for cell in self._line(y):
             space = cell.start - column
-            between = separated(_BETWEEN, self.look.glyphs) if space == _WIDE_GAP else " " * space
+            between = self.look.glyphs.separated(_BETWEEN) if space == _WIDE_GAP else " " * space
             segments += [
                 Segment(between, palette.dim),
                 Segment(cell.key, palette.press),

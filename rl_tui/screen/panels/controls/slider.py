@@ -16,7 +16,6 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.pointing import Draggable
 from rl_tui.screen.panels.controls import slider_picture
@@ -95,7 +94,7 @@ class Slider(Draggable, can_focus=True):
             f"{parameter.help}. The arrows change it. enter, or a click on its value, types {typed}. "
             "For a value that begins with 1 to 4, press enter first."
         )
-        self._help = self.tooltip = to_ascii(help_text, look.glyphs)
+        self._help = self.tooltip = look.glyphs.spelled(help_text)
         self._state = slider_picture.SliderState(value, label_columns=label_columns)
         self._number = _first_number(parameter, self.scale, value)
 
@@ -120,7 +119,7 @@ class Slider(Draggable, can_focus=True):
         if marks != self.marks:
             self._change(marks=marks)
             tip = f"{self._help} {meaning} {{ and }} go past the marks." if marks else self._help
-            self.tooltip = to_ascii(tip, self.look.glyphs)
+            self.tooltip = self.look.glyphs.spelled(tip)
 
     def label(self, name: str, columns: int, *, is_pointed_at: bool) -> None:
         """Write ``name``, marked if a lesson points here."""

@@ -14,7 +14,6 @@ from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Parameter, Range
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
@@ -193,16 +192,16 @@ class SliderForm:
 def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width: int) -> SliderForm:
     """Lay out the row."""
     gap = 2 if width >= ROOMY else 1
-    label = to_ascii(parameter.symbol, glyphs)
+    label = glyphs.spelled(parameter.symbol)
     if state.name and width >= ROOMY and width >= state.label_columns + _BESIDE_NAME:
-        label = f"{label} {to_ascii(state.name, glyphs)}".ljust(state.label_columns)
+        label = f"{label} {glyphs.spelled(state.name)}".ljust(state.label_columns)
     elif not state.name:
         label = label.ljust(state.label_columns)
     if width >= ROOMY and label.rstrip() != parameter.symbol:
         label = label.ljust(_SPELLED)  # align sliders one above the other
     room = width - 1 - cell_len(label) - 2 * gap - (width < ROOMY)
     is_word = isinstance(state.value, str) and state.typed is None and not state.refused
-    forms = [to_ascii(form, glyphs) for form in _texts(parameter, state, glyphs)]
+    forms = [glyphs.spelled(form) for form in _texts(parameter, state, glyphs)]
     if is_word:
         return SliderForm(label, gap, 0, next((form for form in forms if cell_len(form) <= room + gap), ""))
     text = next((form for form in forms if cell_len(form) + LEAST_TRACK <= room), forms[-1])

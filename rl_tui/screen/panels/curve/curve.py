@@ -25,7 +25,6 @@ from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of, wrapped
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
 from rl_tui.screen.panels.curve.area import (
@@ -278,7 +277,7 @@ def _put_cells(
 def _put_message(
     canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, *, at_top: bool = False
 ) -> None:
-    words = [separated(each, look.glyphs) for each in words]
+    words = [look.glyphs.separated(each) for each in words]
     whole = " ".join(words)
     parts = (whole,) if len(whole) <= plot.columns else words
     lines = _wrapped_parts(parts, plot, look)

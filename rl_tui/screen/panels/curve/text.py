@@ -19,7 +19,6 @@ from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import MAY_NEVER_END
 from rl_tui.screen.kit.snapshot_facts import recent_name
 from rl_tui.screen.panels.curve.data import CurveData, LaneLine
@@ -369,7 +368,7 @@ def _columns(names: Sequence[str], look: Look, form: _Form) -> int:
 
 def _names(names: Sequence[str], look: Look, width: int) -> list[str]:
     glyphs = look.glyphs
-    names = [to_ascii(name, glyphs) for name in names]
+    names = [glyphs.spelled(name) for name in names]
     is_enough = look.palette.tells_lanes_apart and glyphs.braille
     if is_enough and all(cell_len(name) <= width for name in names):
         return names

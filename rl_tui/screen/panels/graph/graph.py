@@ -15,7 +15,6 @@ from rl_tui.live.world_editor import EditorView
 from rl_tui.screen.draw.block_signs import block_number
 from rl_tui.screen.draw.canvas import Canvas, centred, shortened
 from rl_tui.screen.draw.names import DEPENDS
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import followed_step, keeps_back
@@ -66,7 +65,7 @@ def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) 
     number_of = {name: number for number, name in enumerate(names)}
     acting = {str(each.get("state")) for each in draft.transitions}
     nodes = tuple(
-        Node(to_ascii(name, glyphs), *place, name not in acting)
+        Node(glyphs.spelled(name), *place, name not in acting)
         for name, place in zip(names, on_grid(known), strict=True)
     )
     actions = [
@@ -100,7 +99,7 @@ def _action(
         Prospect(number_of[target], chance, (_reward(entry, target),))
         for target, chance in chances_of(entry).items()
     ]
-    shown = f"{glyphs.drafted if is_new else ''}{to_ascii(name, glyphs)}"
+    shown = f"{glyphs.drafted if is_new else ''}{glyphs.spelled(name)}"
     return graph_action(shown, source, missing if pair is None else pair, prospects, glyphs)
 
 

@@ -16,7 +16,6 @@ from rl_tui.live.world_editor import EditorView
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.number_form import NumberForm
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.panels.world.shown_policy import StateValues
@@ -117,12 +116,12 @@ def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = F
     space, mdp = world.space, world.mdp
     places = zip(space.state_names, on_grid(graph.places), strict=True)
     nodes = tuple(
-        Node(to_ascii(name, glyphs), *place, not space.pairs_of(state))
+        Node(glyphs.spelled(name), *place, not space.pairs_of(state))
         for state, (name, place) in enumerate(places)
     )
     actions = tuple(
         graph_action(
-            to_ascii(space.action_names[int(space.pair_action[pair])], glyphs),
+            glyphs.spelled(space.action_names[int(space.pair_action[pair])]),
             state,
             pair,
             world.prospects[pair] if mdp is None else _prospects(mdp, pair, is_kept=is_kept),

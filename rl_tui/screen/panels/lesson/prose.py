@@ -10,7 +10,6 @@ from rich.cells import cell_len, chop_cells
 from rich.style import Style
 
 from rl_tui.screen.draw.canvas import Line, Piece
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.look import Look
 
 _BULLET: Final = re.compile(r"\s{0,3}[-*•]\s+")
@@ -40,7 +39,7 @@ def prose_lines(text: str, width: int, look: Look, style: Style | None = None) -
         match = _BULLET.match(block[0])
         words = " ".join(row.strip() for row in block)
         if match is not None:
-            mark = to_ascii("– ", look.glyphs)
+            mark = look.glyphs.spelled("– ")
             lines += _paragraph(words[2:].strip(), width, style, look, mark, " " * len(mark))
         else:
             lines += _paragraph(words, width, style, look, "", "")
@@ -68,7 +67,7 @@ def _blocks(text: str) -> Iterator[list[str]]:
 
 
 def _equation(row: str, width: int, look: Look) -> Iterator[Line]:
-    spelled = to_ascii(row.removeprefix(_EQUATION).rstrip(), look.glyphs)
+    spelled = look.glyphs.spelled(row.removeprefix(_EQUATION).rstrip())
     room = max(1, width - len(_EQUATION_INDENT))
     further = _EQUATION_INDENT if room >= _LEAST_INDENTED else ""
     start = 0  # after the indentation
@@ -128,7 +127,7 @@ def _words(text: str, style: Style, look: Look) -> Iterator[list[Piece]]:
     word: list[Piece] = []
     for run, run_style in _runs(text, style, look):
         is_keys = run_style == look.palette.press and len(run) == _TWO_KEYS
-        spelled = to_ascii(run, look.glyphs)
+        spelled = look.glyphs.spelled(run)
         for number, part in enumerate([spelled] if is_keys else re.split(r"\s+", spelled)):
             if number and word:
                 yield word

@@ -12,7 +12,6 @@ from rl_tui.lessons.file.view import NO_STEP, Given, LessonRecord, LessonView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, spelled
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.panels.lesson.prose import plain
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -262,14 +261,14 @@ def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
     place = page_place(record)
     title = page.title if page.task is None or stage_of(view, snapshot) in DONE else plain(page.task.do)
-    key = Piece(separated(" · enter reads", look.glyphs), palette.dim)
+    key = Piece(look.glyphs.separated(" · enter reads"), palette.dim)
     line = spelled([Piece(f" {place} {title}", palette.strong), *tail, key], look)
     if length(line) <= width:
         return line
     room = width - length(spelled([*tail, key], look))
     if room < _LEAST_TITLE:
         return spelled([Piece(f" {place}", palette.strong), *tail], look)
-    head = shortened(separated(f" {place} {title}", look.glyphs), room, look.glyphs.ellipsis)
+    head = shortened(look.glyphs.separated(f" {place} {title}"), room, look.glyphs.ellipsis)
     return [Piece(head, palette.strong), *spelled([*tail, key], look)]
 
 

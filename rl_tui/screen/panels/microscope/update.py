@@ -14,7 +14,6 @@ from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.canvas import Line, Piece, length, spelled
 from rl_tui.screen.draw.precision import column_figure, comes_to, in_brackets, parsed
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.blocks import Block, Flow, Labelled, Row, Section, Text
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.last_step.words import StepWords, equation, error_style
@@ -212,7 +211,7 @@ def _evidence(story: StepStory, look: Look) -> list[Block]:
     in_full = ([Piece(f" {each}", dim)] for each in equations)
     return [
         Row(*in_full, instead=[Text(equations[1], dim, rest="    ")]),
-        Row(*([Piece(separated(each, look.glyphs), dim)] for each in fits)),
+        Row(*([Piece(look.glyphs.separated(each), dim)] for each in fits)),
     ]
 
 

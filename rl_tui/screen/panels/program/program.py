@@ -14,7 +14,6 @@ from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.programs.evidence.verdict import Rule
 from rl_tui.screen.draw.canvas import Line, Piece, length, spelled, strips_of
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.blocks import Block, Row, Text, lines_of
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.panels.program.findings import NO_JUDGEMENT, WORTH_SAYING, nothing_wrong
@@ -109,7 +108,7 @@ def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Pa
         return [Text(words, style, rest="   ")]
 
     def row(forms: Iterable[str], style: Style) -> Sequence[Block]:
-        lines = [[Piece(separated(f" {form}", look.glyphs), style)] for form in forms]
+        lines = [[Piece(look.glyphs.separated(f" {form}"), style)] for form in forms]
         return [Row(*lines)] if lines else []
 
     if program.refused:

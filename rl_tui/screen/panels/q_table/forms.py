@@ -12,7 +12,6 @@ from rich.segment import Segment
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, veiled
 from rl_tui.screen.panels.q_table.layers import LEARNED_NOT
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene, aligned_right, boxed, framed, padded
@@ -208,7 +207,7 @@ class ListForm:
     def heads(self) -> list[Pieces]:
         """Return the headings above their columns."""
         glyphs = self.scene.look.glyphs
-        texts = [column.align(to_ascii(column.head, glyphs), column.width) for column in self.columns]
+        texts = [column.align(glyphs.spelled(column.head), column.width) for column in self.columns]
         return [[Segment("".join(texts), self.scene.look.palette.dim)]]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:

@@ -12,7 +12,6 @@ from textual.strip import Strip
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Piece, wrapped
 from rl_tui.screen.draw.number_form import TINY
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.layers import Layer, other_lane
 from rl_tui.screen.kit.panel import LegendSign, Panel
 from rl_tui.screen.kit.scrolling import kept_in_view, scroll_bar, scrolled_to
@@ -116,7 +115,7 @@ class Sheet:
         if scene.world.is_bandit and hides_means(scene.snapshot):
             note = [Segment("  w h", palette.press), Segment("  show the true means q*", palette.dim)]
         elif not scene.world.is_bandit and len(scene.world.live) <= _STATES_IN_GREEDY_LINE:
-            text = separated(greedy_line(scene), scene.look.glyphs)
+            text = scene.look.glyphs.separated(greedy_line(scene))
             note = [Segment(f" {text}", palette.dim)] if text else []
         return [[], note] if note and sum(segment.cell_length for segment in note) <= self._width else []
 
@@ -211,11 +210,11 @@ def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[
 
 def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs) -> Layer | None:
     """Return the layer at ``column``."""
-    text = separated(footing, glyphs)
+    text = glyphs.separated(footing)
     for names in _NAMES:
         places, end = [], text.find(_KEY) + len(_KEY)
         for layer in choices:
-            name = to_ascii(names.get(layer, layer), glyphs)
+            name = glyphs.spelled(names.get(layer, layer))
             start = text.find(name, end)
             end = start + len(name)
             places.append((start, end, layer))

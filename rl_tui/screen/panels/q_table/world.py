@@ -19,7 +19,6 @@ from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_plac
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.names import action_name, with_minus
 from rl_tui.screen.draw.number_form import SteadyForms
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.world.edit_marks import marks_of
@@ -54,7 +53,7 @@ class TableWorld:
         self.state_width = min(LONGEST_STATE, self._longest(str))
         self.shown_actions = shown_order(world)
         self.action_names = tuple(
-            to_ascii(action_name(world, action, glyphs), glyphs)
+            glyphs.spelled(action_name(world, action, glyphs))
             for action in range(len(self.space.action_names))
         )
         self.action_width = max(map(cell_len, self.action_names))
@@ -88,7 +87,7 @@ class TableWorld:
         return max(cell_len(form(names[state])) for state in live.tolist())
 
     def _state_name(self, state: int, width: int) -> str:
-        name = to_ascii(with_minus(self.space.state_names[state], self.glyphs), self.glyphs)
+        name = self.glyphs.spelled(with_minus(self.space.state_names[state], self.glyphs))
         return name if cell_len(name) <= width else shortened(_brief(name), width, self.glyphs.ellipsis)
 
     def action_of(self, pair: int) -> int:

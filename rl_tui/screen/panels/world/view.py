@@ -18,7 +18,6 @@ from rl_tui.screen.draw.action_order import next_states
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, length, shortened, spelled, strips_of
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.draw.number_form import SteadyForms
-from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, scale_numbers, veils_exact, world_layer
@@ -348,14 +347,14 @@ class WorldView(DrawnPicture, can_focus=True):
         heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
         says_lane = self.lane and not self._is_named_beside
         if self.title:
-            said += [Piece(separated(f" {heading} ", glyphs), palette.focus)]
+            said += [Piece(glyphs.separated(f" {heading} "), palette.focus)]
         elif says_lane or self.studied is not None or self.is_numbered or self.shows_actions:
             ink = policy_ink(self.studied, palette) if self.studied is not None and not says_lane else Style()
-            said += [Piece(separated(heading, glyphs), palette.strong + ink)]
+            said += [Piece(glyphs.separated(heading), palette.strong + ink)]
         if footing:
             mark = glyphs.differs if footing.startswith(UNICODE.differs) else ""
             said += [Piece("  " if said else "", palette.text), Piece(mark, palette.text)]
-            said += [Piece(separated(footing[len(mark) :], glyphs), palette.dim)]
+            said += [Piece(glyphs.separated(footing[len(mark) :]), palette.dim)]
         # of two runs, one shows scale and legend: below both maps, else the one with fewer words
         tells = not self.lane or self.has_note is self._is_named_beside
         signs = self.legend(snapshot) if self.is_explained and tells else ()

@@ -19,7 +19,6 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
-from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.frame.message_line import complain
 from rl_tui.screen.keys.playground_keys import LESSON_ACTIONS
 from rl_tui.screen.kit.bindings import key_of_hint, keys_of
@@ -80,7 +79,7 @@ class OwnProgram(Subject):
 
     def _ask_name(self, page: Page, program: ProgramToWrite) -> None:
         hint = "A new file gets the first lines of the program. An existing file is not changed."
-        prompt = Prompt("Your program", to_ascii(hint, self.glyphs), program.file, _read_name, "take")
+        prompt = Prompt("Your program", self.glyphs.spelled(hint), program.file, _read_name, "take")
         self.ask(prompt, lambda name: self._begin(page, program, Path(str(name))))
 
     def _begin(self, page: Page, program: ProgramToWrite, path: Path) -> None:
@@ -94,7 +93,7 @@ class OwnProgram(Subject):
         self.files[page.id] = path
         what = f"{path.name} is written" if written else f"{path.name} already exists and is not changed"
         how = "Edit it in another terminal, or press ctrl+z and come back with fg. Then enter checks it."
-        self.screen.notify(to_ascii(f"{what}. {how}", self.glyphs), timeout=_LONG, markup=False)
+        self.screen.notify(self.glyphs.spelled(f"{what}. {how}"), timeout=_LONG, markup=False)
 
     def _watch(self, path: Path) -> None:
         self.link.send(WatchProgram(path))
@@ -316,7 +315,7 @@ class LessonActions(Subject):
     def _ask_number(self, ask: Ask, *, is_prediction: bool) -> None:
         title = "Your prediction" if is_prediction else "Your answer"
         verb = "lock" if is_prediction else "answer"
-        hint = to_ascii(f"{self._off_page(ask.ask)}\nA number, such as 0.5, −2 or 1/3.".strip(), self.glyphs)
+        hint = self.glyphs.spelled(f"{self._off_page(ask.ask)}\nA number, such as 0.5, −2 or 1/3.".strip())
         self.ask(Prompt(title, hint, "", read_answer, verb), lambda value: self._give(float(value)))
 
     def _ask_choice(self, ask: Ask) -> None:
