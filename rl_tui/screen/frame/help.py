@@ -127,9 +127,9 @@ class HelpScreen(Dialog[str]):
             self.call_after_refresh(page.scroll_end, animate=False)
 
     def _lines(self, width: int) -> list[Text]:
-        lines, spelled = list[Text](), self._look.glyphs.spelled
+        lines, spelled, room = list[Text](), self._look.glyphs.spelled, max(1, width - _LEFT)
         for term, meaning in self._explanations():
-            name, room = Text(spelled(term).ljust(_LEFT), "" if meaning else "bold"), max(1, width - _LEFT)
+            name = Text.assemble((spelled(term).ljust(_LEFT), "" if meaning else "bold"))
             for words in wrap(spelled(meaning), room, break_on_hyphens=False) or [""]:
                 lines.append(name.append(words.ljust(room)))
                 name = Text(" " * _LEFT)
