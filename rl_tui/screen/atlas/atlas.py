@@ -11,7 +11,6 @@ from rich.style import Style
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.events import Click
-from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Static
@@ -196,12 +195,6 @@ class AtlasMap(Widget, can_focus=True):
         Binding("down", "move(-1, 0)", "down", show=False),
     ]
 
-    @dataclass
-    class CellPointed(Message):
-        """The cursor should move to another cell."""
-
-        cell: int
-
     def __init__(self, scene: AtlasScene) -> None:
         super().__init__(id="map")
         self.scene = scene
@@ -229,13 +222,16 @@ class AtlasMap(Widget, can_focus=True):
         """Move up and to the right, within the map."""
         axes = len(self.scene.cells.variations)
         steps = {axes - 1: columns} | ({0: rows} if axes > 1 else {})
-        self.post_message(self.CellPointed(self.scene.cells.moved(self.scene.cursor, steps)))
+        self._point_at(self.scene.cells.moved(self.scene.cursor, steps))
 
     def on_click(self, event: Click) -> None:
         """Move the cursor to the click."""
         cell = MapPicture(self.scene, *self.size).cell_at(event.x, event.y)
         if cell is not None:
-            self.post_message(self.CellPointed(cell))
+            self._point_at(cell)
+
+    def _point_at(self, cell: int) -> None:
+        self.call_later(self.run_action, f"screen.point_at({cell})")
 
 
 # Text above and below
@@ -402,9 +398,9 @@ class AtlasDialog(Dialog[Recipe]):
             self.query_one(name, Static).update(glyphs.spelled(text))
         self.query_one("#box").border_subtitle = _KEYS.format(self._request.seeds[self._seed])
 
-    def on_atlas_map_cell_pointed(self, event: AtlasMap.CellPointed) -> None:
-        """Move the cursor to a cell."""
-        self._change(cursor=event.cell)
+    def action_point_at(self, cell: int) -> None:
+        """Move the cursor to ``cell``."""
+        self._change(cursor=cell)
 
     def action_measure(self) -> None:
         """Show the next known metric."""

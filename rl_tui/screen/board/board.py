@@ -215,17 +215,13 @@ class Board(Container):
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
             self.show(snapshot)
 
-    def show_layer(self, layer: Layer) -> None:
+    def show_layer(self, layer: str) -> None:
         """Show ``layer`` in all worlds and tables."""
-        self.wanted_layer = layer
+        self.wanted_layer = Layer(layer)
         for panel in self._panels.values():
             if isinstance(panel, WorldView | QTable):
-                panel.wanted_layer = layer
+                panel.wanted_layer = self.wanted_layer
                 panel.redraw()
-
-    def on_qtable_layer_chosen(self, event: QTable.LayerChosen) -> None:
-        """Show the clicked layer."""
-        self.show_layer(event.layer)
 
     def apply_switches(self) -> None:
         """Apply legends and cells to every panel."""

@@ -381,10 +381,6 @@ class CatalogueScreen(SavedSessions):
 
     # Verbs
 
-    def on_doors_door_opened(self, event: Doors.DoorOpened) -> None:
-        """Open the clicked door."""
-        self.action_door(event.number)
-
     def action_door(self, number: int) -> None:
         """Open the door of that number."""
         if number == LEARN:

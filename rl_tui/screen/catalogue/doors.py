@@ -15,7 +15,6 @@ from rich.segment import Segment
 from textual.binding import BindingType
 from textual.events import Click
 from textual.geometry import Size
-from textual.message import Message
 from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
@@ -71,12 +70,6 @@ class Doors(Widget, can_focus=True):
 
     current: reactive[int] = reactive(WATCH)
 
-    @dataclass
-    class DoorOpened(Message):
-        """The user opens the door ``number``."""
-
-        number: int
-
     def __init__(self, look: Look, doors: Sequence[Door]) -> None:
         super().__init__(id="doors")
         self._look = look
@@ -120,7 +113,7 @@ class Doors(Widget, can_focus=True):
         at = next((each for each in range(1, len(self._doors) + 1) if event.x < self._edge(each)), None)
         if at is not None:
             self.current = at
-            self.post_message(self.DoorOpened(at))
+            self.call_later(self.run_action, f"screen.door({at})")
 
     def _edge(self, number: int) -> int:
         if self.size.height > _LOW:

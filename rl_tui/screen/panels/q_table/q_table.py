@@ -91,12 +91,6 @@ class QTable(Panel, can_focus=True):
 
         pair: int | None
 
-    @dataclass
-    class LayerChosen(Message):
-        """The user clicked on a layer."""
-
-        layer: Layer
-
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.lights = True
@@ -264,7 +258,7 @@ class QTable(Panel, can_focus=True):
             layer = layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
             if layer is not None:
                 event.prevent_default()
-                self.post_message(self.LayerChosen(layer))
+                self.call_later(self.run_action, f"screen.do('board.show_layer(\"{layer}\")')")
         offset = event.get_content_offset(self)
         pair = None if offset is None else self.pair_at(*offset)
         if pair is not None:
