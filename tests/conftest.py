@@ -65,6 +65,8 @@ for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
 # Otherwise each program that tests start would compile the source of its imports
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+# As the program does. In several processes, the threads of NumPy would wait for each other at full speed
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Tests are listed for each available scenario: leave out your own
 os.environ["XDG_CONFIG_HOME"] = os.path.join(os.path.dirname(__file__), "nobody")
 if "textual.constants" in sys.modules:  # the plugin for pictures came first
