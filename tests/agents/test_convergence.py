@@ -90,4 +90,4 @@ def test_on_policy_as_exploration_fades(algorithm: str) -> None:
 def test_where_nothing_is_left_to_chance_the_answer_is_exact(algorithm: str, seed: int) -> None:
     mdp = small_world(seed, certain=True)
     hyperparameters = Hyperparameters(alpha=0.5, gamma=GAMMA, epsilon=1.0, lambda_=0.5, threshold=0.0)
-    assert error_after(mdp, algorithm, hyperparameters, 2_000) < 1e-9 < exploration_matters(mdp) / 5
+    assert error_after(mdp, algorithm, hyperparameters, 800) < 1e-9 < exploration_matters(mdp) / 5

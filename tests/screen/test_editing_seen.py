@@ -87,9 +87,9 @@ async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
 
 async def two_lanes(pilot: Pilot[UserError], *strokes: str) -> Snapshot:
     await settle(pilot)
-    await train(pilot, 2_000)
+    await train(pilot, 200)  # each with 50 planning steps
     await press(pilot, "w", "d", *strokes, "escape", "b", "a", "t")
-    await train(pilot, 2_000)
+    await train(pilot, 200)
     playground(pilot).lanes.link.send(AddBranch(0))
     await settle(pilot)
     shown = snapshot(pilot)
