@@ -13,9 +13,10 @@ import pytest
 from programs.watched_scripts import lives
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
-pytestmark = pytest.mark.skipif(
-    not Path("/proc/self/stat").exists(), reason="processes are looked for in /proc"
-)
+pytestmark = [
+    pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are looked for in /proc"),
+    pytest.mark.exhaustive("compiles into an empty cache"),
+]
 
 FASTER, SLOWER = "+" * 9, "-" * 9
 FULL_SPEED = " " + FASTER
@@ -62,7 +63,6 @@ def test_it_takes_steps_at_once_and_goes_on_as_machine_code(terminal: PseudoTerm
     assert terminal.wait_for_end() == 0
 
 
-@pytest.mark.exhaustive("compiles into an empty cache")
 def test_a_compiler_that_is_killed_is_done_without(terminal: PseudoTerminal) -> None:
     assert becomes(lambda: bool(compilers_of(terminal.process.pid)))
     os.kill(compilers_of(terminal.process.pid)[0], signal.SIGKILL)
@@ -72,7 +72,6 @@ def test_a_compiler_that_is_killed_is_done_without(terminal: PseudoTerminal) -> 
     assert terminal.wait_for_end() == 0
 
 
-@pytest.mark.exhaustive("compiles into an empty cache")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 def test_the_compiler_ends_with_the_program(terminal: PseudoTerminal, number: signal.Signals) -> None:
     assert becomes(lambda: bool(compilers_of(terminal.process.pid)))
