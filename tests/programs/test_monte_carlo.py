@@ -65,6 +65,10 @@ def shown(verdict: ProgramVerdict) -> list[str]:
     return [name for name, note in NOTES.items() if note in verdict.notes]
 
 
+@pytest.mark.exhaustive(
+    "watches twenty programs for each",
+    but=["first-None-0.9", "first-0.1-1.0", "every-None-1.0", "every-0.1-0.9"],
+)
 @pytest.mark.parametrize("gamma", [0.9, 1.0])
 @pytest.mark.parametrize("alpha", [None, 0.1])
 @pytest.mark.parametrize("visits", ["first", "every"])
@@ -93,6 +97,7 @@ def test_the_last_visit_is_neither(alpha: float | None) -> None:
         assert shown(verdict_of(log)) == ["last"]
 
 
+@pytest.mark.exhaustive("all combinations", but=["first-None", "every-0.1"])
 @pytest.mark.parametrize("alpha", [None, 0.1])
 @pytest.mark.parametrize("visits", ["first", "every"])
 def test_nothing_is_said_where_no_pair_is_visited_twice(visits: str, alpha: float | None) -> None:

@@ -397,6 +397,7 @@ def test_an_exit_looks_like_goal_or_hole_with_what_it_pays_and_without_a_value()
     assert "e" not in text
 
 
+@pytest.mark.exhaustive("all combinations", but=["1.0-False", "-100.0-False", "12345.6-True"])
 @pytest.mark.parametrize("in_ascii", [False, True])
 @pytest.mark.parametrize("times", [1.0, -100.0, 12_345.6])
 def test_no_number_is_cut_in_any_cell(in_ascii: bool, times: float) -> None:

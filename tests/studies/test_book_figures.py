@@ -51,6 +51,7 @@ def test_sarsa_earns_more_on_a_longer_way() -> None:
     assert 0 < found.count(None) < 0.25 * len(found)
 
 
+@pytest.mark.exhaustive("compiles a loop of its own")
 def test_expected_sarsa_is_careful_without_trembling() -> None:
     # section 6.6: on the cliff Expected SARSA does well at α = 1, where SARSA cannot
     summary = document("cliff", 100, 500, algorithm="expected-sarsa", alpha=1.0)["summary"]
@@ -70,6 +71,7 @@ def test_sarsa_finds_nearly_the_best_way_through_the_wind() -> None:
     assert len(found) > 0.6 * len(made["runs"])
 
 
+@pytest.mark.exhaustive("compiles a loop of its own")
 def test_kings_moves_halve_the_way_through_the_wind() -> None:
     made = document("windy-king", 100, 500, algorithm="sarsa")
     found = [row["expected_return"] for row in made["runs"] if row["expected_return"] is not None]
