@@ -107,10 +107,10 @@ def learning(cell: str) -> str:
 def test_the_state_is_the_index_of_the_table(
     table: str, row: str, cell: str, form: str, tmp_path: Path
 ) -> None:
-    log = watched(script_in(tmp_path, cart_pole(table, row, learning(cell))), steps=3000)
+    log = watched(script_in(tmp_path, cart_pole(table, row, learning(cell))), steps=1000)
     check_nearly(log, "Q", form, 0.2, 0.99)
     assert log.environments[0].id == "CartPole-v1"
-    assert log.recording.count == 3000
+    assert log.recording.count == 1000
     steps = log.recording.steps
     inside = ~(steps.terminated | steps.truncated)[:-1]
     assert (steps.next_state[:-1][inside] == steps.state[1:][inside]).all()
@@ -121,7 +121,7 @@ def test_an_agent_may_put_an_arrays_index(is_imported: bool, tmp_path: Path) -> 
     if is_imported:
         script_in(tmp_path, AGENT, "agent.py")
     agent = "from agent import Agent" if is_imported else AGENT
-    log = watched(script_in(tmp_path, MOUNTAIN_CAR.format(agent=agent)), steps=4000)
+    log = watched(script_in(tmp_path, MOUNTAIN_CAR.format(agent=agent)), steps=1500)
     check_nearly(log, "self.q_table", "array", 0.1, 0.95)
 
 
@@ -132,7 +132,7 @@ def test_a_row_may_have_another_name(tmp_path: Path) -> None:
 
 def test_a_value_after_the_end_is_found(tmp_path: Path) -> None:
     text = cart_pole(ARRAY, "Q[$]", learning("Q[s][a]"))
-    log = watched(script_in(tmp_path, text.replace("0.0 if dead else ", "")), steps=4000)
+    log = watched(script_in(tmp_path, text.replace("0.0 if dead else ", "")), steps=1500)
     assert [each.fault for each in verdict_of(log).findings] == ["bootstraps-after-end"]
 
 

@@ -59,7 +59,7 @@ def learning(env: str) -> str:
     ],
 )
 def test_its_steps_are_seen(env: str, name: str, states: int, limit: int, tmp_path: Path) -> None:
-    log = watched(script_in(tmp_path, learning(env)), steps=8000)
+    log = watched(script_in(tmp_path, learning(env)), steps=3000)
     assert log.notes == []
     (made,) = log.environments
     assert (made.id, made.states, made.time_limit) == (name, states, limit)

@@ -111,7 +111,7 @@ env = gym.make("C-v0")
 def test_a_script_learns_as_it_was_written(
     env: str, form: dict[str, str], name: str, limit: int, tmp_path: Path
 ) -> None:
-    log = watched(script_in(tmp_path, f"import gym\n{env}\n{LEARNING.format(**form)}"), steps=6000)
+    log = watched(script_in(tmp_path, f"import gym\n{env}\n{LEARNING.format(**form)}"), steps=2500)
     assert NOTE in log.notes
     (made,) = log.environments
     assert (made.id, made.time_limit) == (name, limit)

@@ -86,7 +86,7 @@ def test_a_table_with_places_is_found_before_the_first_step(
     state: str, table: str, row2: str, cell: str, form: str, tmp_path: Path
 ) -> None:
     path = script_in(tmp_path, field(state) + learning(table, row2, cell))
-    log = watched(path, steps=4000)
+    log = watched(path, steps=1500)
     check_field(log, "Q", form, 16)
     assert log.recording.found_at == 0
 
@@ -141,7 +141,7 @@ def test_a_table_with_keys_is_found_after_some_steps(
     state: str, actions: str, table: str, row2: str, cell: str, form: str, tmp_path: Path
 ) -> None:
     path = script_in(tmp_path, field(state, actions) + learning(table, row2, cell))
-    log = watched(path, steps=4000)
+    log = watched(path, steps=1500)
     check_field(log, "Q", form, 16 - 2 + 2)
 
 
@@ -165,7 +165,7 @@ def test_actions_with_names_and_a_table_with_places_are_not_matched(tmp_path: Pa
 @pytest.mark.parametrize("result", [f"{THREE}, {{}}", f"{THREE}, False, {{}}"], ids=["four", "five"])
 def test_more_values_may_come(result: str, tmp_path: Path) -> None:
     text = field(INT, NUMBERS, result) + learning("Q = np.zeros((16, 4))", "Q[s2]", "Q[s, a]")
-    check_field(watched(script_in(tmp_path, text), steps=4000), "Q", "array", 16)
+    check_field(watched(script_in(tmp_path, text), steps=1500), "Q", "array", 16)
 
 
 LIMITED = (
@@ -185,14 +185,14 @@ Field.limit = limit
 def test_a_limit_of_its_own_is_not_an_end(ahead: str, tmp_path: Path) -> None:
     text = LIMITED + learning("Q = np.zeros((16, 4)) + 1", "Q[s2]", "Q[s, a]")
     text = text.replace("0.0 if done else max(Q[s2])", ahead)
-    log = watched(script_in(tmp_path, text), steps=4000)
+    log = watched(script_in(tmp_path, text), steps=1500)
     verdict = verdict_of(log)
     assert (log.error, verdict.findings, verdict.update.alpha) == (None, (), pytest.approx(0.25))
 
 
 def test_a_bug_at_an_end_of_its_own_is_still_found(tmp_path: Path) -> None:
     text = field() + learning("Q = np.zeros((16, 4)) + 1", "Q[s2]", "Q[s, a]")
-    log = watched(script_in(tmp_path, text.replace("0.0 if done else", "")), steps=4000)
+    log = watched(script_in(tmp_path, text.replace("0.0 if done else", "")), steps=1500)
     assert [each.fault for each in verdict_of(log).findings] == ["bootstraps-after-end"]
 
 
@@ -258,7 +258,7 @@ agent = Agent()
             "random.choice(world.actions)", "agent.act(s)"
         )
     )
-    check_field(watched(script_in(tmp_path, text), steps=4000), "Q", "array", 16)
+    check_field(watched(script_in(tmp_path, text), steps=1500), "Q", "array", 16)
 
 
 def test_a_copy_is_only_tried_out_and_an_inner_world_reports_alone(tmp_path: Path) -> None:
