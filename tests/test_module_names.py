@@ -24,9 +24,9 @@ pytestmark = pytest.mark.unit
 
 ROOT: Final = Path(__file__).parents[1]
 PACKAGE: Final = Path(rl_tui.__file__).parent
-DOTTED: Final = re.compile(r"rl_tui(\.\w+)+(:\w+)?")
+DOTTED: Final = re.compile(r"""["'](rl_tui(?:\.\w+)+(?::\w+)?)["']""")
 CROSS_REFERENCE: Final = re.compile(r":(?:mod|class|func|meth|data):`~?(rl_tui[\w.]+)`")
-GLOB: Final = re.compile(r"[\w/]*\*[\w/*]*\.\w+")
+GLOB: Final = re.compile(r"""["']([\w/]*\*[\w/*]*\.\w+)["']""")
 
 
 SCRIPTS: Final = ROOT / "tests" / "programs" / "scripts"
@@ -39,17 +39,13 @@ def sources(*folders: Path) -> list[Path]:
 
 
 @cache
-def strings_in(path: Path) -> frozenset[str]:
-    nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    return frozenset(
-        node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    )
+def text_of(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
 
 
 def named_in_strings() -> set[str]:
-    strings = {each for path in sources(PACKAGE, ROOT / "tests") for each in strings_in(path)}
-    dotted = {each for each in strings if DOTTED.fullmatch(each)}
-    return dotted | {each[1] for string in strings for each in CROSS_REFERENCE.finditer(string)}
+    texts = [text_of(path) for path in sources(PACKAGE, ROOT / "tests")]
+    return {each[1] for text in texts for form in (DOTTED, CROSS_REFERENCE) for each in form.finditer(text)}
 
 
 def project() -> dict[str, Any]:
@@ -111,7 +107,7 @@ def test_packaging_names_what_exists() -> None:
 
 
 def test_no_pattern_of_files_in_the_package_matches_nothing() -> None:
-    patterns = {each for path in sources(PACKAGE) for each in strings_in(path) if GLOB.fullmatch(each)}
+    patterns = {each[1] for path in sources(PACKAGE) for each in GLOB.finditer(text_of(path))}
     assert "*.toml" in patterns
     folders = (PACKAGE, shipped_folder())
     assert [each for each in sorted(patterns) if not any(any(folder.glob(each)) for folder in folders)] == []
@@ -126,9 +122,9 @@ def test_a_folder_that_is_listed_has_such_files(folder: Path, pattern: str) -> N
 
 def private_names_of_textual(path: Path) -> list[str]:
     names: list[str] = []
-    if "textual" not in path.read_text(encoding="utf-8"):
+    if not re.search(r"(import|from) textual\b", text_of(path)):
         return names
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(text_of(path))):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
