@@ -15,7 +15,8 @@ from recipes import recipe
 from rl_tui.runs.training.many_runs import many_runs
 from rl_tui.runs.training.seeded_runs import Goal
 
-pytestmark = pytest.mark.slow
+# Every day test_every_algorithm.py holds the algorithms to their boxes, bit for bit
+pytestmark = [pytest.mark.slow, pytest.mark.exhaustive("compiles the loops of five algorithms")]
 
 
 @functools.cache
@@ -51,7 +52,6 @@ def test_sarsa_earns_more_on_a_longer_way() -> None:
     assert 0 < found.count(None) < 0.25 * len(found)
 
 
-@pytest.mark.exhaustive("compiles a loop of its own")
 def test_expected_sarsa_is_careful_without_trembling() -> None:
     # section 6.6: on the cliff Expected SARSA does well at α = 1, where SARSA cannot
     summary = document("cliff", 100, 500, algorithm="expected-sarsa", alpha=1.0)["summary"]
@@ -71,7 +71,6 @@ def test_sarsa_finds_nearly_the_best_way_through_the_wind() -> None:
     assert len(found) > 0.6 * len(made["runs"])
 
 
-@pytest.mark.exhaustive("compiles a loop of its own")
 def test_kings_moves_halve_the_way_through_the_wind() -> None:
     made = document("windy-king", 100, 500, algorithm="sarsa")
     found = [row["expected_return"] for row in made["runs"] if row["expected_return"] is not None]
@@ -92,7 +91,6 @@ def test_dyna_finds_the_way_of_14_steps() -> None:
 # Figure 6.5: maximization bias with α = 0.1, ε = 0.1 and γ = 1, 300 episodes
 
 
-@pytest.mark.exhaustive("learns figure 6.5 anew")
 def test_double_q_learning_goes_left_far_less_often() -> None:
     single = document("max-bias", 1000, 300, algorithm="q-learning")
     double = document("max-bias", 1000, 300, algorithm="double-q-learning")

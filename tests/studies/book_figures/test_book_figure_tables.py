@@ -25,8 +25,10 @@ pytestmark = pytest.mark.slow
 RUNS = 60
 FEW_STEP_SIZES, FEW_EPISODES = (0.1, 0.9), 20_000
 LONG = pytest.mark.exhaustive("figure 6.3 takes many episodes, and the loops of three algorithms")
+LOOPS = pytest.mark.exhaustive("compiles the loop of another algorithm")
 EVERY_FIGURE = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=LONG if name == "6.3" else ()) for name in FIGURES]
+    "name",
+    [pytest.param(name, marks={"2.2": (), "6.3": LONG}.get(name, LOOPS)) for name in FIGURES],
 )
 
 
@@ -126,9 +128,12 @@ def test_the_long_run_has_ten_runs_at_most_and_that_is_said() -> None:
 # Figure 8.2
 
 
+def test_a_random_walk_takes_as_long_as_its_linear_equations_say() -> None:
+    assert dyna_maze.steps_of_a_random_walk() == pytest.approx(868.7254275614714)
+
+
+@LOOPS
 def test_the_first_episode_is_a_random_walk() -> None:
-    expected = dyna_maze.steps_of_a_random_walk()
-    assert expected == pytest.approx(868.7254275614714)  # of the linear equations of the walk
     first = row("8.2", "steps of the first episode, 0 planning steps")
     assert first.ours is not None
     assert first.stderr is not None
@@ -154,9 +159,8 @@ def shown(name: str) -> list[str]:
     return [cells[-1] for cells in rows[first : first + len(measured(name).table)]]
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("cliff", marks=pytest.mark.exhaustive("as many runs as the page says")), "8.2"]
-)
+@pytest.mark.exhaustive("as many runs as the page says")
+@pytest.mark.parametrize("name", ["cliff", "8.2"])
 def test_the_documentation_has_the_numbers_that_are_measured(name: str) -> None:
     found = measure(FIGURES[name], Measuring(), FIGURES[name].runs)
     for text, comparison in zip(shown(name), found.table, strict=True):
