@@ -39,7 +39,7 @@ def test_the_table_has_dots_for_exact_numbers_and_names_the_key(state: Snapshot)
         table = Drawn(state, 44, 17, layer)
         assert Layer.ERROR not in table.table.layer_choices
         assert ("···" in table.text) is (layer is Layer.OPTIMAL)
-    assert Drawn(state, 44, 17).table.footing == "v:▌Q▐ Q*  visits · w h shows Q*"
+    assert Drawn(state, 44, 17).table.footing == "v  Q  Q*  visits · w h shows Q*"
 
 
 def test_a_world_without_an_exact_answer_hides_nothing_in_its_table() -> None:

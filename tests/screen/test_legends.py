@@ -64,9 +64,9 @@ def test_a_legend_stands_on_a_row_that_is_free() -> None:
 
 def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> None:
     for width, expected in (
-        (70, "▌▐ greedy · ▐ just updated · ◉ agent · v:"),
-        (60, "▌▐ greedy · ▐ just updated · v:"),
-        (44, "▌▐ greedy · v:"),
+        (70, "▌▐ greedy · ▐ just updated · ◉ agent · v  Q"),
+        (60, "▌▐ greedy · ▐ just updated · v  Q"),
+        (44, "▌▐ greedy · v  Q"),
     ):
         assert explained(QTable(look()), lake(), width, 12).foot.startswith(expected)
 
@@ -80,7 +80,7 @@ def test_signs_stand_closer_where_all_of_them_fit_so() -> None:
 
 def test_what_stands_on_the_border_already_stays_there() -> None:
     table = explained(QTable(look()), lake(), 36, 12)
-    assert table.foot.endswith("v:▌Q▐ Q*  Q−Q*  visits")
+    assert table.foot.endswith("v  Q  Q*  Q−Q*  visits ")
     table = explained(QTable(look()), lake(), 60, 12)
     assert table.foot.startswith("▌▐ greedy")
 
@@ -199,8 +199,8 @@ async def test_a_key_hides_captions_and_legends_and_shows_them_again(make_app: M
         for each in (WORLD, TABLE, CURVE, LAST_STEP, CONTROLS):
             panel = board.panel(each)
             assert CAPTIONS[each] not in panel.head
-            layers = "v:▌Q▐ Q*  Q−Q*  visits"
-            assert panel.foot in ("", layers, f"{layers}  landscape")
+            layers = "v  Q  Q*  Q−Q*  visits "
+            assert panel.foot in ("", layers, f"{layers} landscape ")
         await press(pilot, "m", "l")
         assert {each: board.panel(each).head for each in titles} == titles
 

@@ -142,7 +142,7 @@ def test_a_narrow_table_of_states_and_actions_has_no_gaps() -> None:
 
 
 def test_a_long_table_says_how_many_of_its_rows_are_in_view() -> None:
-    assert Drawn(big_lake(), 44, 17).table.footing.startswith("16 of 53 · v:")
+    assert Drawn(big_lake(), 44, 17).table.footing.startswith("16 of 53 · v ")
 
 
 def test_a_long_table_scrolls_and_follows_the_agent() -> None:
@@ -242,14 +242,22 @@ def test_only_rows_in_view_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> Non
     assert len(seen) == 5 * 4
 
 
-def test_the_footing_names_the_layers_and_frames_the_one_in_force() -> None:
+def test_the_footing_names_the_layers_and_reverses_the_one_in_force() -> None:
+    def reversed_text() -> str:
+        pieces = drawn.table.foot_pieces(drawn.table.footing, drawn.table.look)
+        assert "".join(each.text for each in pieces) == drawn.table.footing
+        return "".join(each.text for each in pieces if each.style and each.style.reverse)
+
     drawn = Drawn(lake())
-    assert drawn.table.footing == "v:▌Q▐ Q*  Q−Q*  visits"
+    assert drawn.table.footing == "v  Q  Q*  Q−Q*  visits "
+    assert reversed_text() == " Q "
     drawn.table.wanted_layer = Layer.OPTIMAL
     drawn.table.picture(lake(), 36, 17)
-    assert drawn.table.footing == "v: Q ▌Q*▐ Q−Q*  visits"
-    assert Drawn(student(), 14, 10, Layer.VISITS).table.footing == "v: visits"
-    assert Drawn(changed(bandit(), phase=Phase.PAUSED), 30, 12).table.footing == "v:▌Q▐ visits"
+    assert drawn.table.footing == "v  Q  Q*  Q−Q*  visits "
+    assert reversed_text() == " Q* "
+    assert Drawn(lake(), 18, 10).table.footing == "v  Q  Q*  Q−Q* "  # the last ones are dropped
+    assert Drawn(student(), 14, 10, Layer.VISITS).table.footing == "v  Q  visits "
+    assert Drawn(changed(bandit(), phase=Phase.PAUSED), 30, 12).table.footing == "v  Q  visits "
 
 
 @pytest.mark.parametrize(

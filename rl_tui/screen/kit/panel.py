@@ -214,7 +214,8 @@ class BoardPanel(Widget):
         """Write ``head`` above and ``foot`` below."""
         head = f"{look.glyphs.cursor} {head}" if self.is_spotlit else head
         texts = look.glyphs.separated(head), look.glyphs.separated(foot)
-        if texts == (self.head, self.foot) and look is self._border_look:
+        keys = self.foot_pieces(texts[1], look)
+        if texts == (self.head, self.foot) and keys == self._keys and look is self._border_look:
             return
         self._border_look = look
         self.head, self.foot = texts
@@ -222,10 +223,14 @@ class BoardPanel(Widget):
         dim, strong = look.palette.dim, look.palette.strong
         self._heading = [Segment(title, strong)] if title else []
         self._heading += [Segment(f"{_TITLE_GAP}{caption}", dim)] if caption else []
-        self._keys = [Segment(self.foot, dim)]
+        self._keys = keys
         x, y = self.content_offset
         width, height = self.outer_size
         self.refresh(Region(-x, -y, width, 1), Region(-x, height - 1 - y, width, 1))
+
+    def foot_pieces(self, foot: str, look: Look) -> Sequence[Segment]:
+        """Style the text below the panel."""
+        return [Segment(foot, look.palette.dim)]
 
     def render_lines(self, crop: Region) -> list[Strip]:
         """Return the visible lines with their borders."""

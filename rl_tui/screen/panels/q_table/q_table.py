@@ -51,8 +51,10 @@ from rl_tui.screen.panels.q_table.sheet import (
     Form,
     Sheet,
     followed,
+    footing_pieces,
     footings,
     headings,
+    key_column,
     layer_at,
     no_answer,
     rare_signs,
@@ -252,6 +254,14 @@ class QTable(Panel, can_focus=True):
         self.cursor_pair, self._following = None, True
         self._show_moved()
 
+    def foot_pieces(self, foot: str, look: Look) -> list[Segment]:
+        """Style keys, and the layer."""
+        return footing_pieces(foot, self._named_layer, self.layer_choices, look)
+
+    @property
+    def _named_layer(self) -> Layer:
+        return self.wanted_layer if self.wanted_layer in self.layer_choices else Layer.Q
+
     def on_click(self, event: events.Click) -> None:
         """Move the cursor, or choose a layer."""
         if (column := self.footing_column(event)) is not None:
@@ -259,6 +269,8 @@ class QTable(Panel, can_focus=True):
             if layer is not None:
                 event.prevent_default()
                 self.call_later(self.run_action, f"screen.do('board.show_layer(\"{layer}\")')")
+            elif column == key_column(self.footing):
+                self.app.simulate_key("v")
         offset = event.get_content_offset(self)
         pair = None if offset is None else self.pair_at(*offset)
         if pair is not None:
@@ -384,8 +396,7 @@ class QTable(Panel, can_focus=True):
 
     def _footing(self, width: int, part: str = "") -> str:
         is_hidden = self.snapshot is not None and veils_exact(self.snapshot)
-        wanted = self.wanted_layer if self.wanted_layer in self.layer_choices else Layer.Q
-        forms = footings(wanted, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
+        forms = footings(self._named_layer, self.layer_choices, hides_exact=is_hidden)
         if part:
             forms = followed(forms, part, is_following=self._following)
         return self.fitting(forms, width)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from rich.segment import Segment
+from rich.style import Style
 from textual.cache import LRUCache
 from textual.strip import Strip
 
@@ -149,12 +150,8 @@ _CAPTIONS: Final = {
     Layer.VISITS: "how often each was tried",
 }
 NO_TABLE: Final = "no table found in your program"
-_KEY: Final = "v:"
-_NAMES: Final[tuple[dict[Layer, str], ...]] = (
-    {},
-    {Layer.ERROR: "err", Layer.LANES: "other", Layer.VISITS: "N", Layer.LANDSCAPE: "land"},
-)
-"""Names of layers, in full and in short."""
+_KEY: Final = "v "
+_REVEAL: Final = "w h"
 
 
 def rare_signs(strips: Sequence[Strip], look: Look) -> tuple[LegendSign, ...]:
@@ -187,18 +184,13 @@ def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> 
     return tuple(f"{lane} · {each}" for each in forms)
 
 
-def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
-    """Return the keys for layers and hidden values."""
+def footings(layer: Layer, choices: Sequence[Layer], *, hides_exact: bool) -> list[str]:
+    """Return the keys for layers and hidden values. Short forms keep ``layer``, and drop the last others."""
     forms = []
-    for names in _NAMES:
-        texts = [(each, names.get(each, each)) for each in choices]
-        marked = [
-            f"{glyphs.mark_left}{text}{glyphs.mark_right}" if each is layer else f" {text} "
-            for each, text in texts
-        ]
-        forms.append(f"{_KEY}{''.join(marked)}".rstrip())
-    forms.append(f"{_KEY} {layer}")
-    return [*(f"{each} · w h shows Q*" for each in forms if hides_exact), *forms]
+    for count in range(len(choices), 0, -1):
+        kept = choices[:count] if layer in choices[:count] else (*choices[: count - 1], layer)
+        forms.append(_KEY + "".join(f" {each} " for each in kept))
+    return [*(f"{each}· {_REVEAL} shows Q*" for each in forms if hides_exact), *forms]
 
 
 def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[str]:
@@ -210,17 +202,37 @@ def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[
 
 def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs) -> Layer | None:
     """Return the layer at ``column``."""
-    text = glyphs.separated(footing)
-    for names in _NAMES:
-        places, end = [], text.find(_KEY) + len(_KEY)
-        for layer in choices:
-            name = glyphs.spelled(names.get(layer, layer))
-            start = text.find(name, end)
+    places = _places(glyphs.separated(footing), choices, glyphs)
+    return next((layer for layer, place in places.items() if column in place), None)
+
+
+def key_column(footing: str) -> int:
+    """Return the column of the key for layers, or −1."""
+    return footing.find(f"{_KEY} ")
+
+
+def footing_pieces(foot: str, layer: Layer, choices: Sequence[Layer], look: Look) -> Pieces:
+    """Style the text below the table: its keys, and ``layer`` reversed."""
+    palette = look.palette
+    styles = [palette.dim] * len(foot)
+    key, reveal = key_column(foot), foot.find(f"{_REVEAL} shows")
+    for place, columns in ((key, len(_KEY.strip())), (reveal, len(_REVEAL))):
+        if place >= 0:
+            styles[place : place + columns] = [palette.press] * columns
+    for column in _places(foot, choices, look.glyphs).get(layer, ()):
+        styles[column] = palette.dim + Style(reverse=True)
+    return list(Segment.simplify(Segment(*each) for each in zip(foot, styles, strict=True)))
+
+
+def _places(text: str, choices: Sequence[Layer], glyphs: Glyphs) -> dict[Layer, range]:
+    places: dict[Layer, range] = {}
+    end = key_column(text) + len(_KEY)
+    for layer in choices if end >= len(_KEY) else ():
+        name = glyphs.spelled(f" {layer} ")
+        if (start := text.find(name, end)) >= 0:
             end = start + len(name)
-            places.append((start, end, layer))
-        if all(start >= 0 for start, _, _ in places):
-            return next((layer for start, end, layer in places if start - 1 <= column <= end), None)
-    return None  # only one name fits: a click acts as the key
+            places[layer] = range(start, end)
+    return places
 
 
 def no_answer(snapshot: Snapshot, width: int, look: Look) -> list[list[Piece]]:
