@@ -21,6 +21,9 @@ from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.results import Curve
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.draw.scale import Scale
 from rl_tui.screen.panels.curve import text as words
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import curve_data
@@ -59,7 +62,7 @@ def test_labels_have_columns_of_their_own(size: tuple[int, int]) -> None:
 def test_without_room_for_labels_the_numbers_stand_in_the_heading() -> None:
     text, widget = drawn(lake(), (34, 7))
     assert words.AGENT not in text
-    assert widget.heading == "Return · .41  greedy .73"
+    assert widget.heading == "Return · agent .41  greedy .73"
 
 
 @pytest.mark.parametrize(
@@ -86,10 +89,9 @@ def test_a_bandit_counts_pulls() -> None:
 
 def test_the_cost_of_exploring_stands_in_the_heading() -> None:
     wide = (80, 9)
-    assert "cost of exploring: .33 per episode" in drawn(lake(behaviour_return=0.4), wide)[1].heading
     assert drawn(lake(behaviour_return=0.4), (60, 9))[1].heading.endswith("cost of exploring: .33")
     assert "cost of exploring: −.01" in drawn(lake(behaviour_return=0.74), wide)[1].heading
-    assert f"gap: .32 per episode · {words.COST_BY_KEY}" in drawn(lake(), wide)[1].heading
+    assert f"cost of exploring: about .32 · {words.EXACT_COST_BY_KEY}" in drawn(lake(), wide)[1].heading
 
 
 @pytest.mark.parametrize(
@@ -105,13 +107,13 @@ def test_the_cost_of_exploring_stands_in_the_heading() -> None:
     ],
 )
 def test_no_cost_is_claimed_that_is_not_seen(changes: dict[str, Any]) -> None:
-    assert "gap" not in drawn(lake(**changes), (100, 9))[1].heading
+    assert words.COST not in drawn(lake(**changes), (100, 9))[1].heading
 
 
 def test_without_exploring_no_gap_is_blamed_on_it() -> None:
     snapshot = lake()
     still = changed(snapshot, hyperparameters=snapshot.agent.hyperparameters.changed("epsilon", 0.0))
-    assert "gap" not in drawn(still, (100, 9))[1].heading
+    assert words.COST not in drawn(still, (100, 9))[1].heading
 
 
 def test_before_the_first_episode_it_says_what_to_do() -> None:
@@ -151,10 +153,10 @@ def test_a_small_return_far_from_a_negative_optimum_is_not_learned() -> None:
     level = curve(40, -40.0, -40.0, 24)
     far = student(expected_return=-12.0, greedy_return=-17.0, curve=level)
     near = student(expected_return=-12.0, greedy_return=-15.0, curve=level)
-    assert "gap" not in drawn(far, (100, 9))[1].heading
+    assert words.COST not in drawn(far, (100, 9))[1].heading
     text, widget = drawn(near, (100, 9))
-    assert "gap: 25" in widget.heading
-    assert label(text, words.AGENT) == "−40", "the gap is that between the two labels"
+    assert f"{words.COST}: about 25" in widget.heading
+    assert label(text, words.AGENT) == "−40", "the cost is the difference of the two labels"
 
 
 def test_at_full_speed_the_heading_has_no_numbers_that_change() -> None:
@@ -350,3 +352,19 @@ def test_the_title_is_right_before_the_world_is_there() -> None:
 def test_the_cost_of_exploring_is_that_of_any_policy() -> None:
     softmax = changed(lake(behaviour_return=0.4), hyperparameters=Hyperparameters(policy="softmax"))
     assert "cost of exploring: .33" in drawn(softmax, (80, 9))[1].heading
+
+
+def test_two_rows_show_the_agent_alone() -> None:
+    text, _ = drawn(lake(), (60, 2))
+    assert not any(0x2800 < ord(each) <= 0x28FF for each in text)
+    assert any(0x2800 < ord(each) <= 0x28FF for each in drawn(lake(), (60, 3))[0])
+
+
+def test_the_greedy_line_has_one_height_a_column() -> None:
+    plot = Plot(0, 20, 4, 100.0, Scale(0.0, 1.0, 0.5))
+    ends = np.linspace(0.5, 80.0, 160)
+    values = np.tile([0.0, 1.0], 80)
+    line = plot.stepped(Steps(ends - 0.5, ends, values, values))
+    assert (line.low == line.high)[:16].all()
+    assert np.isnan(line.low[17:]).all()
+    assert set(line.low[:16].tolist()) == {1.0}

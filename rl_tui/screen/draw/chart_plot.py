@@ -77,6 +77,18 @@ class Plot(NamedTuple):
         behind = min(self.columns, math.ceil(float(line.end[-1]) / self.right * self.columns))
         return bool((low > high)[self.column(float(line.start[0])) : behind].any())
 
+    def stepped(self, line: Steps) -> Steps:
+        """Return ``line`` with one value a column, its last one there."""
+        if not len(line.end):
+            return line
+        edges = np.linspace(0.0, self.right, self.columns + 1)
+        behind = np.searchsorted(line.start, edges[1:], side="left")
+        known = np.maximum.accumulate(np.where(np.isnan(line.low), 0, np.arange(1, len(line.low) + 1)))
+        last = np.where(behind > 0, known[behind - 1], 0) - 1
+        value = np.where((last >= 0) & (line.end[last] >= edges[:-1]), line.low[last], np.nan)
+        margin = 0.1 * self.right / self.columns  # keeps neighbours from touching
+        return Steps(edges[:-1] + margin, edges[1:] - margin, value, value)
+
     def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
         """Return the dots of ``line``, [rows, columns] of dots."""
         return braille.dots_of(braille.joined(self._span(line, columns, rows)), rows)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final, NamedTuple
 
@@ -117,8 +118,10 @@ def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
 
 LEAST_WIDTH: Final = 14
 LEAST_HEIGHT: Final = 2
+LEAST_WITH_LINES: Final = 3  # rows of a plot with lines over the area of one run
 LEAST_IN_FULL: Final = 7  # rows of a plot with three numbers at the left
 _LEAST_WITH_NAMES: Final = 60  # columns of the curve in one row
+_LEAST_LEFT: Final = 0.2  # of the columns: less of a level would look like a mistake
 _EXACT: Final = 1e-6  # share of the axis: largest rounding error of a number at the left
 _ARROWS_APART: Final = 8  # columns between the arrows of a line below the axis
 _CHANGES_APART: Final = 8  # columns: with denser changes of the world, their lines would hide the curve
@@ -140,7 +143,7 @@ def draw_chart(
         return canvas.strips()
     if data.furthest:
         _draw_numbers(canvas, plot, look)
-        if data.lanes or data.seeds:
+        if data.lanes or (data.seeds and plot.rows >= LEAST_WITH_LINES):
             _draw_lines(canvas, plot, data, look)
         else:
             _draw_area(canvas, plot, data, look, has_band=has_band)
@@ -171,17 +174,15 @@ def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_b
     else:
         codes = np.array([ord(each) for each in look.glyphs.eighths])[area.eighths]
         kind = np.where(area.eighths > 0, _CELLS, _NOTHING)
-    _put_behind(codes, kind, plot, data, look)
-    if look.glyphs.braille:
-        greedy = plot.braille_line(data.greedy)
-        there = greedy > braille.BLANK
-    else:
-        there = plot.line_dots(data.greedy, plot.columns, plot.rows)
-        greedy = np.full_like(codes, ord("o"))
-    codes[there], kind[there] = greedy[there], _GREEDY
+    has_lines = plot.rows >= LEAST_WITH_LINES or not len(data.mean.means)
+    if has_lines:
+        _put_behind(codes, kind, plot, data, look)
+        _put_greedy(codes, kind, plot, data.greedy, look)
+        _drop_remnants(codes, kind, plot, data)
     for row, columns, sign in zip((-1, 0), (area.below, area.above), look.glyphs.off_axis, strict=True):
         codes[row, columns], kind[row, columns] = ord(sign), _OUTLIER
-    _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
+    if has_lines:
+        _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
     if has_band:
         ground = pixels % 4
         bands = ([each] * 4 for each in band_styles(palette))
@@ -205,6 +206,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     there = cells.line >= 0
     codes[there] = cells.codes[there]
     kind[there] = np.where(cells.line[there] == 0, _GREEDY, first + cells.line[there])
+    _drop_remnants(codes, kind, plot, data)
     for number, line in enumerate(data.lines):
         _put_outliers(codes, kind, plot, line, first + number if number else _GREEDY, look)
     inks = palette.lanes[:runs] if data.lanes else (palette.episodes,)
@@ -229,6 +231,26 @@ def _put_behind(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData, lo
     if data.studied is not None and data.studied.value >= plot.scale.low:
         row, along = _level(plot, data, data.studied.value)
         codes[row, along], kind[row, along] = ord(look.glyphs.dashes), _STUDIED
+
+
+def _put_greedy(codes: IntArray, kind: IntArray, plot: Plot, greedy: Steps, look: Look) -> None:
+    if look.glyphs.braille:
+        dots = plot.braille_line(greedy)
+        there = dots > braille.BLANK
+    else:
+        there = plot.line_dots(greedy, plot.columns, plot.rows)
+        dots = np.full_like(codes, ord("o"))
+    codes[there], kind[there] = dots[there], _GREEDY
+
+
+def _drop_remnants(codes: IntArray, kind: IntArray, plot: Plot, data: CurveData) -> None:
+    """Erase the optimal level if other lines leave too little of it."""
+    left = kind == _OPTIMUM
+    columns = (
+        0 if data.optimum is None else len(range(*_level(plot, data, data.optimum)[1].indices(plot.columns)))
+    )
+    if left.sum() < _LEAST_LEFT * columns:
+        codes[left], kind[left] = 0, _NOTHING
 
 
 def _level(plot: Plot, data: CurveData, value: float) -> tuple[int, slice]:
@@ -279,12 +301,12 @@ def _put_message(
 ) -> None:
     words = [look.glyphs.separated(each) for each in words]
     whole = " ".join(words)
-    parts = (whole,) if len(whole) <= plot.columns else words
-    lines = _wrapped_parts(parts, plot, look)
+    lines = _wrapped_parts((whole,) if len(whole) <= plot.columns else words, plot, look)
     if len(lines) > plot.rows:
         lines = _wrapped_parts((words[0].rstrip(":"),), plot, look)
     first = 0 if at_top else max(0, (plot.rows - len(lines)) // 2)
     for row, line in enumerate(lines[: plot.rows], first):
+        canvas.put(plot.left, row, " " * plot.columns, look.palette.text)
         for piece in line:
             text = f" {piece.text} " if cell_len(piece.text) + 2 <= plot.columns else piece.text
             canvas.put(plot.left + (plot.columns - cell_len(text)) // 2, row, text, piece.style)
@@ -393,7 +415,14 @@ class ReturnCurve(Panel, can_focus=True):
             has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
             self._band = key, has_band
         self.heading = self._headed(snapshot, data, plot, columns, width)
-        return draw_chart(data, plot, columns, self.look, (width, height), has_band=self._band[1])
+        return draw_chart(
+            replace(data, greedy=plot.stepped(data.greedy)),
+            plot,
+            columns,
+            self.look,
+            (width, height),
+            has_band=self._band[1],
+        )
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
         if (shows := (data.is_of_steps, data.is_of_errors)) != self._shows:
@@ -426,7 +455,8 @@ class ReturnCurve(Panel, can_focus=True):
         elif data.seeds:
             notes.insert(0, seed_remark(data.seeds, self.look))
         if is_calm and snapshot.program is None:
-            notes.append(below_note(data, plot, glyphs, decimals))
+            drawn = replace(data, greedy=plot.stepped(data.greedy))
+            notes.append(below_note(drawn, plot, glyphs, decimals))
         notes.append(gap_note(data, plot))
         if is_calm and self.is_explained:
             notes.append(event_notes(snapshot, self.look, width))
@@ -441,15 +471,14 @@ class ReturnCurve(Panel, can_focus=True):
         if width < _LEAST_WITH_NAMES:
             return spark_line(data, scale, look, width, self._brief(data, decimals))
         title = f"{heads(data, has_band=False)[-1]}  "
-        words = self._brief(data, decimals, has_names=True) or " ".join(nothing_yet(data))
+        words = self._brief(data, decimals, with_optimum=True) or " ".join(nothing_yet(data))
         line = spark_line(data, scale, look, width - len(title), words)
         return [Piece(title, look.palette.strong), *line]
 
-    def _brief(self, data: CurveData, decimals: int, *, has_names: bool = False) -> str:
+    def _brief(self, data: CurveData, decimals: int, *, with_optimum: bool = False) -> str:
         numbered = [(f"{lane.number} ", lane.value) for lane in data.lanes]
-        agent, optimum = (f"{AGENT} ", data.optimum) if has_names else ("", None)
-        best = (f"{BEST_ARM[1] if data.is_bandit else OPTIMAL} ", optimum)
-        numbered = numbered or [(agent, data.mean_now), (f"{GREEDY} ", data.greedy_now), best]
+        best = (f"{BEST_ARM[1] if data.is_bandit else OPTIMAL} ", data.optimum if with_optimum else None)
+        numbered = numbered or [(f"{AGENT} ", data.mean_now), (f"{GREEDY} ", data.greedy_now), best]
         glyphs = self.look.glyphs
         return "  ".join(f"{name}{amount(x, decimals, glyphs)}" for name, x in numbered if x is not None)
 

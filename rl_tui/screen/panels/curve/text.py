@@ -49,8 +49,9 @@ HIDDEN_ARMS: Final = ("w h: show the best arm", "w h: best arm")
 HIDDEN_OPTIMUM: Final = ("w h: show the optimal return", "w h: optimal")
 KEPT_BACK: Final = ("exact values: hidden by the lesson", "exact values: hidden")
 
-COST_AT_PAUSE: Final = ("cost of exploring: when paused", "exploring: when paused")
-COST_BY_KEY: Final = "t p: cost of exploring"
+COST: Final = "cost of exploring"
+COST_AT_PAUSE: Final = (f"{COST}: when paused",)
+EXACT_COST_BY_KEY: Final = "t p: exact"
 NO_LINE_WITHOUT_TABLE: Final = ("no greedy line: your program has no table", "no table: no greedy line")
 NO_LINE_WITHOUT_END: Final = (
     f"gap in greedy: that policy {MAY_NEVER_END}",
@@ -208,8 +209,7 @@ def remark(
         return ()
     if not with_figures:
         return COST_AT_PAUSE
-    said = f"cost of exploring: {amount(cost, decimals, glyphs)}"
-    return f"{said} per {data.unit}", said
+    return (f"{COST}: {amount(cost, decimals, glyphs)}",)
 
 
 def _gap(data: CurveData, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
@@ -218,8 +218,8 @@ def _gap(data: CurveData, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
     gap = data.greedy_now - data.mean_now
     if not _is_seen(gap, decimals) or gap < 0.0:
         return ()
-    said = f"gap: {amount(gap, decimals, glyphs)}"
-    return f"{said} per {data.unit} · {COST_BY_KEY}", f"{said} · {COST_BY_KEY}", said
+    said = f"{COST}: about {amount(gap, decimals, glyphs)}"
+    return f"{said} · {EXACT_COST_BY_KEY}", said
 
 
 def _is_seen(x: float, decimals: int) -> bool:
@@ -269,7 +269,7 @@ def nothing_yet(data: CurveData) -> tuple[str, str]:
 def barren_words(data: CurveData, glyphs: Glyphs) -> tuple[str, ...]:
     """Explain why the curve says little."""
     if data.unlearned:
-        return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s; t y explains why"
+        return NOTHING_LEARNED, f"after {data.finished:,} {data.unit}s;", "t y explains why"
     if data.barren:
         return NO_REWARD, f"after {data.finished:,} {data.unit}s"
     earned = amount(float(data.curve.return_mean[-1]), 0, glyphs)
@@ -402,7 +402,7 @@ def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyp
 
 
 LEFT: Final = 5  # columns of the numbers left of the plot
-_LABELS: Final = ((60, 15), (36, 13))  # least width, and columns of the labels at the right
+_LABELS: Final = ((60, 15), (36, 14))  # least width, and columns of the labels at the right
 
 
 class PlotColumns(NamedTuple):

@@ -196,7 +196,7 @@ def footings(layer: Layer, choices: Sequence[Layer], *, hides_exact: bool) -> li
 def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[str]:
     """Add the visible ``part``, or the key to follow."""
     if is_following:
-        return [*(f"{part} · {each}" for each in footings[:-1]), *footings]
+        return [f"{part} · {footings[0]}", *footings]
     return [*(f"{FOLLOW_HINT} · {each}" for each in footings), FOLLOW_HINT]
 
 
