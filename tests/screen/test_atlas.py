@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from conftest import MakeApp
+from rich.style import Style
 from seams import on_screen, playground, press, screen_text, snapshot
 
 from rl_tui.screen.app.screenshot import settle
@@ -52,7 +53,7 @@ def test_the_map_has_a_number_or_a_sign_in_every_cell() -> None:
     assert text[0].split() == ["ε", "↑", "α", "→"]
     assert "×" in text[2]
     assert "[0.750*]" in text[2]
-    assert "0.500'" in text[2]
+    assert "0.500" in text[2]
     assert "·" in text[5]
     assert "0.250" in text[5]
     assert "fails" in text[5]
@@ -66,6 +67,11 @@ def test_the_narrowest_cells_have_room_for_three_digits_and_a_sign() -> None:
     assert "-447" in text[5].replace("−", "-")
 
 
+def test_numbers_stand_in_the_middle_of_their_cells_above_their_names() -> None:
+    text = lines(scene(PART))
+    assert text[5].index("0.250") == text[7].index("0.5") - 1
+
+
 def test_in_ascii_it_is_ascii() -> None:
     drawn = scene(PART, Look(ASCII, palette_for("none", dark=True)))
     assert all(line.isascii() for line in lines(drawn))
@@ -73,7 +79,7 @@ def test_in_ascii_it_is_ascii() -> None:
 
 def test_colours_go_from_the_worst_to_the_best() -> None:
     drawn, palette = scene(PART), LOOK.palette
-    assert drawn.style(4) == palette.value(1.0)
+    assert drawn.style(4) == palette.value(1.0) + Style(bold=True)
     assert drawn.style(1) == palette.value(0.0)
     assert drawn.style(0) == palette.unvisited
     lower_is_better = replace(drawn, measure=MEASURES["regret"])

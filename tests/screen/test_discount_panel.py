@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import MakeApp
+from rich.style import Style
 from samples import bandit, lake, look, student
 from seams import on_screen, playground, press, screen_text, snapshot, switch
 from snapshots import changed
@@ -24,7 +25,7 @@ from rl_tui.screen.draw import braille
 from rl_tui.screen.kit.panel import legend_rows
 from rl_tui.screen.kit.snapshot_facts import ANSWER_KEY
 from rl_tui.screen.panels.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel, fitting_form
-from rl_tui.screen.panels.discount_chart import action_lines, draw_values, ranked
+from rl_tui.screen.panels.discount_chart import ActionLine, action_lines, best_two, draw_values, ranked
 from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -372,3 +373,11 @@ async def test_where_there_are_none_the_panel_says_why(scenario: str, said: str,
     async with on_screen(make_app(scenario), (120, 40)) as pilot:
         await press(pilot, "t", "g")
         assert said in screen_text(pilot.app)
+
+
+def test_the_chart_shows_the_best_action_and_the_second_best() -> None:
+    values = np.array([[0.1, 0.5], [0.3, 0.2], [0.2, 0.1]])
+    lines = [ActionLine(name, name, each, Style()) for name, each in zip("abc", values, strict=True)]
+    best, second = best_two(lines, look())
+    assert (best.sign, best.values.tolist(), second.values.tolist()) == ("ba", [0.3, 0.5], [0.2, 0.2])
+    assert len(best_two(lines[:1], look())) == 1

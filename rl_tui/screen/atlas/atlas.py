@@ -11,6 +11,7 @@ from rich.style import Style
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.events import Click
+from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Static
@@ -38,7 +39,9 @@ LEAST_FIELD: Final = 5
 _ROOM: Final = 6
 _LEAST_ROOM: Final = 4
 _TALL: Final = 3
-BEST, TIED, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
+_NAMES: Final = 2  # rows for names
+_AROUND: Final = 7  # rows for the texts above and below the map
+BEST, NOT_DONE, IMPOSSIBLE, FAILED = "*", "·", "×", "fails"
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,29 +76,33 @@ class AtlasScene:
         return (high, low) if self.measure.larger_is_better is False else (low, high)
 
     def style(self, index: int) -> Style:
-        """Return a style from worst to best."""
+        """Return a style from worst to best, bold if tied with the best."""
         palette, value, ends = self.look.palette, self.value(index), self.ends
         if value is None or ends is None:
             return palette.unvisited if index not in self.atlas.impossible else palette.dim
         worst, best = ends
-        return palette.value(1.0 if worst == best else (value - worst) / (best - worst))
+        style = palette.value(1.0 if worst == best else (value - worst) / (best - worst))
+        return style + Style(bold=True) if index in self._alike else style
+
+    @property
+    def _alike(self) -> frozenset[int]:
+        standings = self.atlas.standings.get(self.measure.id)
+        return frozenset() if standings is None else standings.alike
 
     def text(self, index: int, width: int) -> str:
         """Write a cell in ``width`` characters."""
         value, cell = self.value(index), self.atlas.cells.get(index)
         if value is not None:
-            return numbers.value(value, width, self.look.glyphs)
+            return numbers.value(value, width, self.look.glyphs).strip()
         if index in self.atlas.impossible:
             return self.look.glyphs.spelled(IMPOSSIBLE)
         has_failed = cell is not None and cell.failed == cell.runs > 0
         return FAILED[:width] if has_failed else self.look.glyphs.spelled(NOT_DONE)
 
     def mark(self, index: int) -> str:
-        """Mark what is best, or tied with the best."""
+        """Mark the best."""
         standings = self.atlas.standings.get(self.measure.id)
-        if standings is None or index not in standings.alike:
-            return " "
-        return BEST if index == standings.best else TIED
+        return BEST if standings is not None and index == standings.best else ""
 
 
 class MapPicture:
@@ -111,7 +118,7 @@ class MapPicture:
         names = [] if upwards is None else [value_name(upwards, row) for row in range(self.rows)]
         self.label = max(map(cell_len, names), default=0) + 1
         self.field = max(LEAST_FIELD, min(MOST_FIELD, (width - self.label) // across.count))
-        self.tall = max(1, min(_TALL, (height - 2) // self.rows))  # two lines are for names
+        self.tall = max(1, min(_TALL, (height - _NAMES) // self.rows))
 
     def place(self, index: int) -> tuple[int, int]:
         """Return x and y, with high values above."""
@@ -156,18 +163,14 @@ class MapPicture:
         style = scene.style(index)
         for line in range(self.tall):
             canvas.put(left, top + line, " " * self.field, style)
-        text = f"{scene.text(index, self._room)}{scene.mark(index)}"
-        if index == scene.in_force:
-            text = bracketed(text, self.field)
-        canvas.put(left, top + (self.tall - 1) // 2, centred(text, self.field), style)
+        text = scene.text(index, self._room)
+        before = max(0, self.field - len(text)) // 2
+        behind = scene.mark(index)
+        if index == scene.in_force and before and before + len(text + behind) < self.field:
+            text, behind, before = f"[{text}", f"{behind}]", before - 1
+        canvas.put(left + before, top + (self.tall - 1) // 2, text + behind, style)
         for line in range(self.tall if index == scene.cursor else 0):
             canvas.restyle(left, top + line, self.field, scene.look.palette.agent)
-
-
-def bracketed(text: str, width: int) -> str:
-    """Put ``text`` in brackets if it fits."""
-    whole = f"[{text}]" if len(text) + 2 <= width else f"[{text.strip()}]"
-    return whole if len(whole) <= width else text
 
 
 def setting_name(variation: Variation) -> str:
@@ -205,6 +208,11 @@ class AtlasMap(Widget, can_focus=True):
         self.scene = scene
         self._strips = []
         self.refresh()
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return the rows of the map, so that the legend touches it."""
+        picture = MapPicture(self.scene, width, container.height - _AROUND)
+        return picture.rows * picture.tall + _NAMES
 
     def on_resize(self) -> None:
         """Draw again for the new size."""
@@ -265,7 +273,7 @@ def legend(scene: AtlasScene) -> str:
         return ""
     first, last = (numbers.value(end, _ROOM, glyphs) for end in ends)
     names = ("least", "greatest") if scene.measure.larger_is_better is None else ("worst", "best")
-    marks = f"{BEST} best  {TIED} tied with it  " if scene.measure.id in scene.atlas.standings else ""
+    marks = f"{BEST} best  bold: tied with it  " if scene.measure.id in scene.atlas.standings else ""
     return f"{marks}[ ] current  {names[0]} {first}, {names[1]} {last}"
 
 

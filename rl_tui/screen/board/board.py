@@ -161,6 +161,8 @@ class Board(Container):
             if isinstance(panel, WorldView):
                 panel.names_policies_key = self.opened != POLICIES
                 panel.replaces_header = self._arrangement.is_big
+            if panel is self.timeline:
+                self.timeline.unexplained = self.curve.unexplained
             if panel not in pair:
                 panel.show(learned if isinstance(panel, WorldView | QTable) else snapshot)
         if pair:

@@ -28,6 +28,7 @@ from rl_tui.screen.kit.snapshot_facts import answer_key, is_secret, passes_too_f
 from rl_tui.screen.panels.discount_chart import (
     LEAST_HEIGHT,
     action_lines,
+    best_two,
     draw_values,
     flip_sign,
     flip_style,
@@ -166,7 +167,8 @@ PENDING: Final = "computing in the background …"
 NO_FLIPS: Final = "no flip point: the same actions are optimal at every γ"
 _TITLE: Final = "Flip points"
 _CHART_SHARE: Final = 0.55  # share of the rows, if the list does not fit
-_CHART_ROWS: Final = 6
+_CHART_ROWS: Final = 10
+_FEW_ROWS: Final = 6  # of a chart if rows are short
 _LIST_ROWS: Final = 2  # least rows of the list, if a chart still fits
 _RANKED: Final = "worst to best"
 
@@ -307,16 +309,16 @@ class DiscountPanel(Panel, can_focus=True):
         explained = len(legend_rows(signs, width, len(signs), look))
         highest = max(map(len, blocks), default=0)
         head = Text(_in_short(answer.flips), look.palette.strong).lines(width, look)
-        if blocks and len(head) + _CHART_ROWS + explained + highest > height:
+        if blocks and len(head) + _FEW_ROWS + explained + highest > height:
             head = ()
         room = max(0, height - len(head))
         most = room - explained - highest
-        least = min(_CHART_ROWS, max(LEAST_HEIGHT, room - _LIST_ROWS))
+        least = min(_CHART_ROWS, max(LEAST_HEIGHT, min(_FEW_ROWS, room - _LIST_ROWS), most))
         needed = sum(map(len, blocks)) + explained
         rows = min(room, max(least, room - needed, min(most, round(_CHART_SHARE * room))))
         gamma = snapshot.agent.hyperparameters.gamma
         lines = action_lines(snapshot.world, answer.curves, state, look)
-        lines = ranked(lines) if self._is_ranked else lines
+        lines = ranked(lines) if self._is_ranked else best_two(lines, look)
         chart = draw_values(lines, answer.curves.gamma, answer.flips, state, gamma, chosen, look, width, rows)
         strips, room = [*strips_of(head, width, len(head), look), *chart][:height], room - rows
         if rows < LEAST_HEIGHT:

@@ -20,7 +20,7 @@ from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
-from rl_tui.screen.draw.scale import round_scale
+from rl_tui.screen.draw.scale import Scale, tight_scale
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 from rl_tui.worlds.world import World
@@ -32,13 +32,14 @@ LEAST_WIDTH: Final = 18
 LEAST_HEIGHT: Final = 4
 _ROOMY: Final = 36  # columns from which labels are a fifth apart: narrower charts have three
 _SIGNS_APART: Final = 12  # columns between two signs on a line
+_IN_FRONT: Final = 2  # lines: of so few, the first covers the other
 _SIGN_FREE: Final = 2  # columns without a sign at the end, where it would look like part of the name
 _NAMES_SHARE: Final = 0.4  # share of the columns, for names if they fit completely
 
 
 @dataclass(frozen=True, slots=True)
 class ActionLine:
-    """Q*(γ) of one action, [G], with a one-cell ``sign``."""
+    """Q*(γ) of one action, [G], with a one-cell ``sign``, or one sign for each γ."""
 
     name: str
     sign: str
@@ -64,6 +65,19 @@ def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Loo
             style=styles[(number - 1) % len(styles)],
         )
         for number, (name, pair) in enumerate(zip(names, pairs, strict=True), start=1)
+    ]
+
+
+def best_two(lines: Sequence[ActionLine], look: Look) -> list[ActionLine]:
+    """Return the value of the best action, with its sign at each γ, and that of the second best."""
+    values = np.array([np.nan_to_num(line.values, nan=-np.inf) for line in lines])
+    signs = "".join(lines[place].sign for place in values.argmax(axis=0).tolist())
+    ordered = np.sort(values, axis=0)[::-1]
+    ordered[np.isneginf(ordered)] = np.nan
+    best = ActionLine("best", signs, ordered[0], look.palette.best)
+    return [
+        best,
+        *(ActionLine("second", look.glyphs.untried, each, look.palette.dim) for each in ordered[1:2]),
     ]
 
 
@@ -95,7 +109,7 @@ def draw_values(
         return canvas.strips()
     values = np.array([line.values for line in lines])
     finite = values[np.isfinite(values)]
-    scale = round_scale(*((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)))
+    scale = _scale(finite)
     left = value_axis_columns(scale, look)
     unit = look.glyphs.spelled(" γ")
     names = max(cell_len(line.name) for line in lines)
@@ -120,6 +134,15 @@ def draw_values(
             )
     _draw_names(canvas, plot, lines, look)
     return canvas.strips()
+
+
+def _scale(values: FloatArray) -> Scale:
+    """Return an axis close to ``values``, with labels at its ends and at 0."""
+    if not len(values):
+        return Scale(0.0, 1.0, 1.0)
+    low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
+    scale = tight_scale(low, high)
+    return replace(scale, step=max(-scale.low, scale.high))
 
 
 def _column(plot: Plot, gamma: float) -> int:
@@ -163,17 +186,28 @@ def _draw_lines(
         values = np.interp(dots + 0.5 * dot, gammas, line.values, right=np.nan)
         drawn = plot.braille_line(Steps(dots, dots + dot, values, values))
         passes.append(drawn > braille.BLANK)
-        codes[number] = drawn if look.glyphs.braille else ord(line.sign)
-    whose = braille.in_turns(np.stack(passes))
+        codes[number] = drawn if look.glyphs.braille else [ord(each) for each in _signs(line, gammas, plot)]
+    there = np.stack(passes)
+    whose = (
+        braille.in_turns(there)
+        if len(lines) > _IN_FRONT
+        else np.where(there.any(axis=0), there.argmax(axis=0), -1)
+    )
     shown = np.take_along_axis(codes, np.maximum(whose, 0)[None], axis=0)[0]
     for number, line in enumerate(lines if look.glyphs.braille else ()):
         first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
         for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
-            at = np.flatnonzero(passes[number][:, column])[:1], column
-            shown[at], whose[at] = ord(line.sign), number
+            is_seen = passes[number] if len(lines) > _IN_FRONT else whose == number
+            at = np.flatnonzero(is_seen[:, column])[:1], column
+            shown[at], whose[at] = ord(_signs(line, gammas, plot)[column]), number
     for row, column in np.argwhere(whose >= 0).tolist():
         style = lines[whose[row, column]].style
         canvas.put(plot.left + column, row, chr(shown[row, column]), style)
+
+
+def _signs(line: ActionLine, gammas: FloatArray, plot: Plot) -> str:
+    places = np.interp((np.arange(plot.columns) + 0.5) / plot.columns, gammas, np.arange(len(gammas)))
+    return "".join(line.sign[min(round(place), len(line.sign) - 1)] for place in places.tolist())
 
 
 def _draw_names(canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], look: Look) -> None:

@@ -51,7 +51,6 @@ from rl_tui.screen.panels.curve.text import (
     PlotColumns,
     amount,
     barren_words,
-    below_note,
     decimals_of_labels,
     gap_note,
     heads,
@@ -60,12 +59,13 @@ from rl_tui.screen.panels.curve.text import (
     lane_labels,
     lane_remark,
     nothing_yet,
+    off_axis_note,
     plot_columns,
     remark,
     steps_note,
 )
 from rl_tui.screen.panels.policies.studied import policy_ink, studied_answer
-from rl_tui.screen.panels.timeline import event_notes
+from rl_tui.screen.panels.timeline import event_notes, events_of
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
@@ -130,9 +130,16 @@ _NOTHING, _CHANGE, _OPTIMUM, _STUDIED, _OUTLIER, _GREEDY, _CELLS = range(7)
 
 
 def draw_chart(
-    data: CurveData, plot: Plot, columns: PlotColumns, look: Look, size: tuple[int, int], *, has_band: bool
+    data: CurveData,
+    plot: Plot,
+    columns: PlotColumns,
+    look: Look,
+    size: tuple[int, int],
+    *,
+    has_band: bool,
+    hidden: frozenset[str] = frozenset(),
 ) -> list[Strip]:
-    """Draw the chart in ``size`` (columns, rows)."""
+    """Draw the chart in ``size`` (columns, rows), without the signs ``hidden``."""
     width, height = size
     canvas = Canvas(width, height, look.palette.text)
     decimals = decimals_of_labels(plot.scale)
@@ -144,9 +151,9 @@ def draw_chart(
     if data.furthest:
         _draw_numbers(canvas, plot, look)
         if data.lanes or (data.seeds and plot.rows >= LEAST_WITH_LINES):
-            _draw_lines(canvas, plot, data, look)
+            _draw_lines(canvas, plot, data, look, hidden)
         else:
-            _draw_area(canvas, plot, data, look, has_band=has_band)
+            _draw_area(canvas, plot, data, look, has_band=has_band, hidden=hidden)
     else:
         _put_message(canvas, plot, nothing_yet(data), look)
     for label, row in _rows_of(names[: plot.rows], plot):
@@ -166,7 +173,9 @@ def _draw_numbers(canvas: Canvas, plot: Plot, look: Look) -> None:
         canvas.put(max(0, LEFT - 1 - len(text)), plot.row(value), text, look.palette.dim)
 
 
-def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_band: bool) -> None:
+def _draw_area(
+    canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_band: bool, hidden: frozenset[str]
+) -> None:
     area, palette = area_of(plot, data.mean), look.palette
     if has_band:
         codes, pixels = band_cells(plot, middle_half(plot, data.curve, data.mean), data.mean)
@@ -180,8 +189,9 @@ def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_b
         _put_greedy(codes, kind, plot, data.greedy, look)
         _drop_remnants(codes, kind, plot, data)
     for row, columns, sign in zip((-1, 0), (area.below, area.above), look.glyphs.off_axis, strict=True):
-        codes[row, columns], kind[row, columns] = ord(sign), _OUTLIER
-    if has_lines:
+        if sign not in hidden:
+            codes[row, columns], kind[row, columns] = ord(sign), _OUTLIER
+    if has_lines and look.glyphs.off_axis[0] not in hidden:
         _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
     if has_band:
         ground = pixels % 4
@@ -195,7 +205,7 @@ def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_b
     _put_cells(canvas, plot, codes, kind, ground, styles)
 
 
-def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
+def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look, hidden: frozenset[str]) -> None:
     codes, kind = np.zeros((2, plot.rows, plot.columns), dtype=np.int64)
     _put_behind(codes, kind, plot, data, look)
     palette, runs = look.palette, len(data.lines) - 1
@@ -207,7 +217,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     codes[there] = cells.codes[there]
     kind[there] = np.where(cells.line[there] == 0, _GREEDY, first + cells.line[there])
     _drop_remnants(codes, kind, plot, data)
-    for number, line in enumerate(data.lines):
+    for number, line in enumerate(data.lines if look.glyphs.off_axis[0] not in hidden else ()):
         _put_outliers(codes, kind, plot, line, first + number if number else _GREEDY, look)
     inks = palette.lanes[:runs] if data.lanes else (palette.episodes,)
     dimmed = [style + Style(dim=True) for style in inks] if data.lanes else [palette.dim]
@@ -350,6 +360,8 @@ class ReturnCurve(Panel, can_focus=True):
     _band: tuple[object, bool] = (None, False)
     _hints: Words = ()
     _unit = "episode"
+    unexplained: frozenset[str] = frozenset()
+    """Marks of curve and timeline for which the heading has no room."""
 
     def begin_with(self, recipe: Recipe) -> None:
         """Set the title before the first snapshot."""
@@ -405,6 +417,7 @@ class ReturnCurve(Panel, can_focus=True):
         data = curve_data(snapshot)
         scale = self._settled(data, snapshot)
         if height == 1:
+            self.unexplained = frozenset(events_of(self.look) if self.is_explained else ())
             return strips_of([self._row(data, scale, width)], width, 1, self.look)
         columns = plot_columns(snapshot, self.look, width)
         plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
@@ -415,6 +428,9 @@ class ReturnCurve(Panel, can_focus=True):
             has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
             self._band = key, has_band
         self.heading = self._headed(snapshot, data, plot, columns, width)
+        if self.hints:
+            title = self.heading.partition(" · ")[0]
+            self.heading = self.fitting([*(f"{title} · {each}" for each in self.hints), title], width)
         return draw_chart(
             replace(data, greedy=plot.stepped(data.greedy)),
             plot,
@@ -422,6 +438,7 @@ class ReturnCurve(Panel, can_focus=True):
             self.look,
             (width, height),
             has_band=self._band[1],
+            hidden=self.unexplained,
         )
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
@@ -442,8 +459,6 @@ class ReturnCurve(Panel, can_focus=True):
     ) -> str:
         glyphs, decimals = self.look.glyphs, decimals_of_labels(plot.scale)
         titles = heads(data, has_band=self._band[1])
-        if self.hints:
-            return self.fitting([*(f"{titles[-1]} · {each}" for each in self.hints), titles[-1]], width)
         # at full speed, numbers would change in every frame
         is_calm = not passes_too_fast(snapshot)
         notes: list[Words] = [remark(snapshot, data, glyphs, decimals, with_figures=is_calm)]
@@ -454,16 +469,18 @@ class ReturnCurve(Panel, can_focus=True):
             titles = f"{titles[-1]} · {brief}", titles[-1]
         elif data.seeds:
             notes.insert(0, seed_remark(data.seeds, self.look))
-        if is_calm and snapshot.program is None:
-            drawn = replace(data, greedy=plot.stepped(data.greedy))
-            notes.append(below_note(drawn, plot, glyphs, decimals))
+        drawn = replace(data, greedy=plot.stepped(data.greedy))
+        has_figures = is_calm and snapshot.program is None
+        notes.append(off_axis_note(drawn, plot, glyphs, decimals, with_figures=has_figures))
         notes.append(gap_note(data, plot))
-        if is_calm and self.is_explained:
+        if self.is_explained:
             notes.append(event_notes(snapshot, self.look, width))
         notes = [each for each in notes if each]
         head = self.fitting(titles[1:] if notes and len(titles) > 2 else titles, width)
         for note in notes:
             head = self.fitting([f"{head} · {form}" for form in note], width) or head
+        signs = *glyphs.off_axis, *(events_of(self.look) if self.is_explained else ())
+        self.unexplained = frozenset(sign for sign in signs if f" {sign} " not in head)
         return head
 
     def _row(self, data: CurveData, scale: Scale, width: int) -> Line:

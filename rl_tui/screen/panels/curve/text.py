@@ -21,6 +21,7 @@ from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale
 from rl_tui.screen.kit.panel import MAY_NEVER_END
 from rl_tui.screen.kit.snapshot_facts import recent_name
+from rl_tui.screen.panels.curve.area import area_of
 from rl_tui.screen.panels.curve.data import CurveData, LaneLine
 from rl_tui.screen.panels.curve.seed_band import seed_remark
 from rl_tui.screen.panels.policies.studied import policy_ink
@@ -59,6 +60,8 @@ NO_LINE_WITHOUT_END: Final = (
 )
 
 BELOW_AXIS: Final = "below the axis"
+ABOVE_AXIS: Final = "above the axis"
+OFF_AXIS: Final = "off the axis"
 
 NOTHING_YET: Final = {
     "sweep": ("no sweep has ended:", "space: run · e: sweep"),
@@ -228,15 +231,24 @@ def _is_seen(x: float, decimals: int) -> bool:
     )
 
 
-def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Describe the marks below the axis."""
-    if not data.furthest or not any(plot.below(line).any() for line in data.lines):
+def off_axis_note(
+    data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int, *, with_figures: bool
+) -> tuple[str, ...]:
+    """Describe the marks at the ends of the axis."""
+    if not data.furthest:
         return ()
-    greedy = data.lines[0]
-    if not plot.below(greedy).any():
-        return (f"{glyphs.off_axis[0]} {BELOW_AXIS}",)
+    below, above = [*glyphs.off_axis]
+    area = area_of(plot, data.mean) if len(data.mean.means) and not data.lanes else None
+    is_below = any(plot.below(line).any() for line in data.lines)
+    if area is not None and area.above.any():
+        return (f"{below} {above} {OFF_AXIS}" if is_below else f"{above} {ABOVE_AXIS}",)
+    if not is_below:
+        return ()
+    plain, greedy = f"{below} {BELOW_AXIS}", data.lines[0]
+    if not with_figures or not plot.below(greedy).any():
+        return (plain,)
     lowest = amount(float(np.nanmin(greedy.low)), decimals, glyphs)
-    return (f"{glyphs.off_axis[0]} greedy down to {lowest}",)
+    return f"{below} greedy down to {lowest}", plain
 
 
 def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:

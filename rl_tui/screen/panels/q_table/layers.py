@@ -166,12 +166,6 @@ class Figures:
         """Return the last error's sign."""
         return self._lit.error if self._lit is not None and pair == self._lit.pair else None
 
-    def side(self, pair: int) -> int:
-        """Return −1 below the colour scale, 1 above, else 0."""
-        if self.layer is Layer.VISITS or (self._held is not None and not self._held[pair]):
-            return 0
-        return self._scale.side(self._values[pair].item())
-
     def greedy(self, pairs: range) -> tuple[int, ...]:
         """Return the greedy ones of ``pairs``."""
         if self._held is not None and not self._held[pairs.start]:

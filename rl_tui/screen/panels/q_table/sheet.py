@@ -157,9 +157,7 @@ _REVEAL: Final = "w h"
 def rare_signs(strips: Sequence[Strip], look: Look) -> tuple[LegendSign, ...]:
     """Return the signs beside or instead of a number."""
     glyphs, text = look.glyphs, "".join(strip.text for strip in strips)
-    signs = [*zip(TINY[glyphs is ASCII], ("just below 0", "just above 0"), strict=True)]
-    if glyphs is not ASCII:  # its < is also part of <.01
-        signs += zip(glyphs.beyond, ("below the scale", "above the scale"), strict=True)
+    signs = zip(TINY[glyphs is ASCII], ("just below 0", "just above 0"), strict=True)
     return tuple(LegendSign(sign, meaning, look.palette.text) for sign, meaning in signs if sign in text)
 
 

@@ -184,12 +184,11 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
     style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
     left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
     right = Segment(glyphs.mark_right if is_greedy else " ", palette.best)
-    if figures is scene.shown and (side := figures.side(pair)):
-        number = _in_margin(number, glyphs.beyond[side > 0], 0)
     error = figures.error(pair)
     if error is not None:
         left = Segment(glyphs.lit, palette.error(error))
-        number = _in_margin(number, glyphs.moved[error > 0], -1) if error else number
+        if error and number.endswith(" "):
+            number = number[:-1] + glyphs.moved[error > 0]
         style += Style(reverse=not palette.tints, bold=True)
     stops = pair in scene.snapshot.playback.breakpoints.pairs
     if stops:
@@ -197,12 +196,6 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
     if pair == scene.cursor:
         left = Segment(glyphs.cursor, palette.breakpoint if stops else palette.you)
     return [left, Segment(number, style), right]
-
-
-def _in_margin(number: str, sign: str, at: int) -> str:
-    if number[at : at + 1 or None] != " ":
-        return number
-    return number[:-1] + sign if at else sign + number[1:]
 
 
 def padded(text: str, width: int) -> str:
