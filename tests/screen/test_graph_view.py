@@ -94,16 +94,16 @@ def picture(snapshot: Snapshot, width: int, height: int, *, ascii: bool = False)
 
 
 STUDENT_40 = """\
-      ╭──────╮
-      │ Phone├─╮ scroll −1
-      │ 5.71 │◀╯
-      ╰─▲──┰─╯
-  check │  ┃ quit 0
-phone 0 │  ┃  study −2     sleep
-      ╭─┴──▼─╮  .8 ╭──────╮ +10 ╔══════╗
-      │ Class┝━●━━▶│◉Pass ├────▶║ Sleep║
-      │ 6.37 │◀┛.2 │10.00 │     ║ end  ║
-      ╰──────╯     ╰──────╯     ╚══════╝"""
+
+        Phone ─╮ scroll −1
+        5.71  ◀╯
+
+  check ▲  ┃ quit 0
+phone 0 │  ▼  study −2     sleep
+                .8          +10 ╔══════╗
+        Class ━●━━▶ ◉Pass  ────▶║ Sleep║
+        6.37  ◀┛.2  10.00       ║ end  ║
+                                ╚══════╝"""
 
 
 def test_the_student_evening_at_80_by_24() -> None:
@@ -121,9 +121,9 @@ def test_only_what_changes_with_values_is_drawn_again() -> None:
     snapshot = student()
     phone_first = changed(snapshot, q=np.array([4.0, 6.0, 4.14, 5.71, 10.0]), state=PHONE)
     rows = picture(phone_first, 40, 10)
-    assert rows[1].startswith("      │◉Phone├─╮ scroll −1")
-    assert rows[4].startswith("  check ┃  ┃ quit 0")
-    assert rows[7].startswith("      │ Class├─●──▶│ Pass ├────▶║")
+    assert rows[1].startswith("       ◉Phone ─╮ scroll −1")
+    assert rows[4].startswith("  check ▲  ┃ quit 0")
+    assert rows[7].startswith("        Class ─●──▶  Pass  ────▶║")
 
 
 def test_before_anything_is_learned_no_action_is_bold() -> None:
@@ -135,8 +135,8 @@ def test_before_anything_is_learned_no_action_is_bold() -> None:
 def test_greedy_ties_are_all_bold() -> None:
     snapshot = changed(student(), q=np.array([5.0, 5.0, 1.0, 2.0, 3.0]))
     rows = picture(snapshot, 40, 10)
-    assert "┝━●━━▶" in rows[7]
-    assert "check ┃" in rows[4]
+    assert " ━●━━▶" in rows[7]
+    assert "phone 0 ┃" in rows[5]
 
 
 def test_boxes_are_tinted_by_value_and_terminal_ones_are_not() -> None:
@@ -165,7 +165,22 @@ def test_actions_that_differ_only_by_name_are_one_edge_with_their_number() -> No
 def test_ascii() -> None:
     rows = picture(student(), 40, 10, ascii=True)
     assert "".join(rows).isascii()
-    assert rows[7] == "      | Class+=o==>|@Pass +---->| Sleep|"
+    assert rows[7] == "        Class =o==> @Pass  ---->| Sleep|"
+
+
+def test_a_box_has_a_tint_or_a_frame() -> None:
+    palette = look().palette
+    strips = GraphView(student_world(), look()).picture(student(), 40, 10)
+    assert style_at(strips[0], 6).bgcolor == style_at(strips[2], 13).bgcolor == palette.value(0.65).bgcolor
+    colourless = GraphView(student_world(), look(False, "none")).picture(student(), 40, 10)
+    assert colourless[0].text[6:14] == "╭──────╮"
+    assert colourless[7].text.startswith("      │ Class┝━●━━▶│◉Pass ├────▶║ Sleep║")
+
+
+def test_name_and_value_have_one_centre() -> None:
+    rows = picture(student(), 75, 24)
+    y = next(y for y, row in enumerate(rows) if "Sleep" in row)
+    assert rows[y + 1].index("end") == rows[y].index("Sleep") + 1
 
 
 def test_a_graph_without_room_becomes_a_list_of_its_actions() -> None:
@@ -321,7 +336,7 @@ def test_rewards(reward: float, text: str) -> None:
     ("arms", "unicode", "plain"),
     [
         (StrokeArms(right=THIN, left=THIN), "─", "-"),
-        (StrokeArms(up=BOLD, down=BOLD), "┃", "H"),
+        (StrokeArms(up=BOLD, down=BOLD), "┃", "#"),
         (StrokeArms(up=THIN, right=THIN), "╰", "+"),
         (StrokeArms(down=BOLD, left=BOLD), "┓", "+"),
         (StrokeArms(THIN, BOLD, THIN, 0), "┝", "+"),
@@ -354,10 +369,10 @@ def test_what_depends_on_how_one_came_there_has_a_question_mark() -> None:
     assert by_pair["Clock 3", "eat"].label == "eat +10"
     wait, eat = by_pair["Pot", "wait"], by_pair["Pot", "eat"]
     assert {(names[each.target], each.label) for each in wait.branches} == {
-        ("Pot", "? −1"),
-        ("Plate", "? −10"),
+        ("Pot", "chance ? −1"),
+        ("Plate", "chance ? −10"),
     }
-    assert (eat.label, [names[each.target] for each in eat.branches]) == ("eat −10..+10?", ["Plate"])
+    assert (eat.label, [names[each.target] for each in eat.branches]) == ("eat −10 or +10", ["Plate"])
     layout = graph_layout(shape, 60, 20)
     assert layout is not None
     check_layout(shape, layout, 60, 20)

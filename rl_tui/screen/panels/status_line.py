@@ -90,6 +90,10 @@ class StatusLine(WaitingRow):
             return waits or []
         margin = 2 if width >= WIDE else 1
         fields = _fields(snapshot, look, width, is_manual=self.is_manual, is_captioned=self.is_captioned)
+        beside = width - 2 * margin - sum(field.columns + _GAP for field in fields)
+        title = cell_len(separated(_names(snapshot, self._session)[0], look.glyphs))
+        if beside < title <= beside + fields[0].columns + _GAP:
+            fields = fields[1:]  # a whole title instead of the speed
         right = [piece for field in _fitting(fields, width - 2 * margin) for piece in _pieces(field, look)]
         room = max(0, width - 2 * margin - length(right))
         name = _title(snapshot, look, room, self._session)

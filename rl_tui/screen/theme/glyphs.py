@@ -105,7 +105,7 @@ class Glyphs:
     thin: str = _in("─", "-")  # graph edges: horizontal, vertical, then the four corners of rounded boxes
     thin_vertical: str = _in("│", "|")
     bold: str = _in("━", "=")
-    bold_vertical: str = _in("┃", "H")
+    bold_vertical: str = _in("┃", "#")
     round_corners: str = _in("╭╮╰╯", "++++")  # ╭╮╰╯
     double_box: str = _in("═║╔╗╚╝", "=|++++")  # ═║╔╗╚╝
     head_left: str = _in("◀", "<")

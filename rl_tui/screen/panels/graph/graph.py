@@ -14,7 +14,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.world_editor import EditorView
 from rl_tui.screen.draw.block_signs import block_number
 from rl_tui.screen.draw.canvas import Canvas, centred, shortened
-from rl_tui.screen.draw.names import DEPENDS
+from rl_tui.screen.draw.names import DEPENDS, DEPENDS_IN_FULL
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import followed_step, keeps_back
@@ -213,9 +213,10 @@ class GraphView(WorldView):
             has_choice = len(self.world.space.action_names) > 1
             policy = (LegendSign(self.look.glyphs.right, greedy, palette.strong),) if has_choice else ()
         unknown = "depends" if self.world.prospects else "hidden" if self._shape_of[1] else ""
+        in_full = DEPENDS_IN_FULL if self.world.prospects else ""
         return (
             *self.valueless_signs(),
-            *([LegendSign(DEPENDS, unknown, palette.text)] if unknown else ()),
+            *([LegendSign(DEPENDS, unknown, palette.text, in_full)] if unknown else ()),
             *policy,
             *self.missing_table_signs(),
             self.agent_sign(),
@@ -303,7 +304,7 @@ def draw_graph(
         _draw_box(canvas, box, node, value, state, scene, look)
     greedy, stops = shape.marked(values.greedy), shape.marked(signs.breakpoints.pairs)
     about = shape.marked(set(signs.subject))
-    _draw_lines(canvas, layout, greedy, signs, look)
+    _draw_lines(canvas, layout, greedy, scene, look)
     for fork in layout.forks:
         canvas.put(fork.x, fork.y, glyphs.estimate, _edge_style(fork.pair in greedy, look))
     heads = (glyphs.head_up, glyphs.head_right, glyphs.head_down, glyphs.head_left)
@@ -335,24 +336,27 @@ def _draw_box(
 ) -> None:
     values, _, signs = scene
     glyphs, palette, agent = look.glyphs, look.palette, state == signs.agent
-    if node.terminal:
-        horizontal, vertical, *corners = tuple(glyphs.double_box)
+    background, inner, last = values.style(state, look), box.width - 2, box.y + box.height - 1
+    if not _is_framed(state, scene, look):
+        for y in range(box.y, last + 1):
+            canvas.put(box.x, y, " " * box.width, background)
     else:
-        horizontal, vertical, *corners = glyphs.thin, glyphs.thin_vertical, *glyphs.round_corners
-    border = _border_style(state, signs, look)
-    inner, last = box.width - 2, box.y + box.height - 1
-    canvas.put(box.x, box.y, corners[0] + horizontal * inner + corners[1], border)
-    canvas.put(box.x, last, corners[2] + horizontal * inner + corners[3], border)
-    background = values.style(state, look)
-    for y in range(box.y + 1, last):
-        canvas.put(box.x, y, vertical, border)
-        canvas.put(box.x + 1, y, " " * inner, background)
-        canvas.put(box.x + box.width - 1, y, vertical, border)
+        if node.terminal:
+            horizontal, vertical, *corners = tuple(glyphs.double_box)
+        else:
+            horizontal, vertical, *corners = glyphs.thin, glyphs.thin_vertical, *glyphs.round_corners
+        border = _border_style(state, signs, look)
+        canvas.put(box.x, box.y, corners[0] + horizontal * inner + corners[1], border)
+        canvas.put(box.x, last, corners[2] + horizontal * inner + corners[3], border)
+        for y in range(box.y + 1, last):
+            canvas.put(box.x, y, vertical, border)
+            canvas.put(box.x + 1, y, " " * inner, background)
+            canvas.put(box.x + box.width - 1, y, vertical, border)
     first, text = box.y + 1 + (box.height - 3 - len(value)) // 2, value[0]
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
     flag, is_full = values.flag(state, signs.differing, look), len(name) == inner - 1
     # the blank before a name that fills the box is for the agent, or else for the flag
-    start = 0 if flag and is_full and not agent else max(1, (inner - len(name) + 1) // 2)
+    start = 0 if flag and is_full and not agent else max(1, (inner - len(name)) // 2)
     canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
     if agent:
         canvas.put(
@@ -369,7 +373,12 @@ def _draw_box(
         canvas.put(box.x + inner, first + 1, flag, flag_style)
     else:
         canvas.put(box.x + 1, first + 1, centred(text, inner), style)
-        canvas.put(box.x, box.y, flag, border)
+        canvas.put(box.x, box.y, flag, background)
+
+
+def _is_framed(state: int, scene: GraphScene, look: Look) -> bool:
+    """Return whether a box needs a frame: it has no colour of its own, or an estimate comes from it."""
+    return scene.values.style(state, look).bgcolor is None or state in scene.signs.next_states
 
 
 def _border_style(state: int, signs: Signs, look: Look) -> Style:
@@ -382,7 +391,7 @@ def _edge_style(greedy: bool, look: Look) -> Style:
     return look.palette.best if greedy else look.palette.dim
 
 
-def _draw_lines(canvas: Canvas, layout: GraphLayout, greedy: Set[int], signs: Signs, look: Look) -> None:
+def _draw_lines(canvas: Canvas, layout: GraphLayout, greedy: Set[int], scene: GraphScene, look: Look) -> None:
     arms: dict[tuple[int, int], StrokeArms] = {}
     styles: dict[tuple[int, int], Style] = {}
     for stroke in sorted(layout.strokes, key=lambda each: each.pair in greedy):
@@ -391,12 +400,16 @@ def _draw_lines(canvas: Canvas, layout: GraphLayout, greedy: Set[int], signs: Si
         arms[cell] = arms.get(cell, StrokeArms()).joined(mine)
         styles[cell] = _edge_style(is_bold, look)
     for state, box in enumerate(layout.boxes):
+        is_framed = _is_framed(state, scene, look)
         for cell in arms.keys() & set(box.cells()):
+            if not is_framed:
+                del arms[cell]
+                continue
             # a line starts in a border, which continues in its own style
             on_side = cell[0] in (box.x, box.x + box.width - 1)
             border = StrokeArms(up=THIN, down=THIN) if on_side else StrokeArms(right=THIN, left=THIN)
             arms[cell] = arms[cell].joined(border)
-            styles[cell] = _border_style(state, signs, look)
+            styles[cell] = _border_style(state, scene.signs, look)
     for (x, y), each in arms.items():
         canvas.put(x, y, joint(each, look.glyphs), styles[x, y])
 

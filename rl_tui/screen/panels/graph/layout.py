@@ -306,11 +306,10 @@ class _Drawing:
             return False
         self._enter((action.pair, 0), path)
         self._want((action.pair, 0), action.label, runs_of(path.cells, path.directions))
-        if not others:
-            return True
-        index = self._fork_index(path)
+        index = self._fork_index(path) if others else None
+        self._put_head(action.pair, path, index)
         if index is None:
-            return False
+            return not others
         fork = path.cells[index]
         self._sheet.bar(fork)
         self._forks.append(Fork(action.pair, *fork))
@@ -324,6 +323,7 @@ class _Drawing:
             if side_path is None:
                 return False
             self._enter((action.pair, number), side_path)
+            self._put_head(action.pair, side_path)
             starts.pop(side_path.start)
             runs = runs_of(side_path.cells, side_path.directions)
             self._want((action.pair, number), branch.label, runs, inline=True)
@@ -350,9 +350,12 @@ class _Drawing:
         for index, cell in enumerate(path.cells):
             self._strokes.append(Stroke(pair, *cell, path.arms(index)))
             self._lines.setdefault(cell, set()).add(line)
-        head = path.cells[-1] if end.direction in HORIZONTAL else end.cell
-        self._heads.append(ArrowHead(pair, *head, end.direction))
         self._taken_ports |= {start.cell, end.cell}
+
+    def _put_head(self, pair: int, path: Route, fork: int | None = None) -> None:
+        # before the box, or in its border where a short line forks
+        head = path.end.cell if fork == len(path.cells) - 1 else path.cells[-1]
+        self._heads.append(ArrowHead(pair, *head, path.end.direction))
 
     def _ports(self, action: GraphAction, target: int) -> tuple[dict[Port, float], dict[Port, float]]:
         leaving = self._ends(action.source, self._centres(action.source, target, action))

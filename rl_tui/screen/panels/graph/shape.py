@@ -166,15 +166,19 @@ def graph_action(
         label = name
     branches = []
     for each in targets:
-        chance = DEPENDS if each.probability is None else probability_text(each.probability)
-        said = f"{chance} {texts[each.next_state]}".strip() if len(targets) > 1 else ""
+        reward = texts[each.next_state]
+        if each.probability is not None:
+            chance = probability_text(each.probability)
+        else:
+            chance = f"chance {DEPENDS}" if reward else DEPENDS
+        said = f"{chance} {reward}".strip() if len(targets) > 1 else ""
         branches.append(GraphBranch(each.next_state, each.probability, said))
     return GraphAction(pair, state, name, label, tuple(branches))
 
 
 def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
     texts = [reward_text(reward, glyphs) for reward in rewards]
-    return texts[0] if len(texts) == 1 else f"{texts[0]}..{texts[-1]}{DEPENDS}"
+    return (" or " if len(texts) == 2 else " to ").join(dict.fromkeys((texts[0], texts[-1])))
 
 
 def reward_text(reward: float, glyphs: Glyphs) -> str:

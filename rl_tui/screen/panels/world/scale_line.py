@@ -41,8 +41,9 @@ def scale_line(
     if named is not None and named.note:
         _add(line, [(Piece(named.note, look.palette.dim),)], width, look)
     for sign in signs:
-        pieces = Piece(sign.sign.strip(), sign.style), Piece(f" {sign.meaning}", look.palette.dim)
-        _add(line, [pieces], width, look)
+        meanings = filter(None, (sign.in_full, sign.meaning))
+        mark = Piece(sign.sign.strip(), sign.style)
+        _add(line, [(mark, Piece(f" {each}", look.palette.dim)) for each in meanings], width, look)
     return strips_of([line], width, 1, look)[0]
 
 
