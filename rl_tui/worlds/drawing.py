@@ -92,6 +92,7 @@ class Grid:
         body: Body that these numbers belong to.
         walls: Cells with a wall to their right.
         name_parts: Meaning of the parts of a state's name, from long to short, or empty.
+        idle_cell: Cell of states in which nobody acts, or None.
     """
 
     rows: int
@@ -106,6 +107,7 @@ class Grid:
     body: Body | None = None
     walls: tuple[int, ...] = ()
     name_parts: tuple[str, ...] = ()
+    idle_cell: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

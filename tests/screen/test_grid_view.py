@@ -203,7 +203,7 @@ def test_nothing_known_is_a_dot_on_the_floor_unlike_a_zero_that_was_visited() ->
 def test_optimistic_estimates_alone_are_not_knowledge() -> None:
     start = lake(step=0)
     rows = picture(changed(start, q=np.ones(start.world.space.pairs)), 40, 8)
-    assert rows[1] == "  1.00   ▕  1.00   ▕  1.00   ▕  1.00   ▕"
+    assert rows[1] == "   1.00  ▕   1.00  ▕   1.00  ▕   1.00  ▕"
     assert not set("↑→↓←") & set("".join(rows))
 
 
@@ -212,7 +212,7 @@ def test_where_both_signs_matter_tints_are_as_far_from_a_grey_zero() -> None:
     palette = look().palette
     q = q_of(start, {(0, place): -1.0 - place for place in range(4)} | {(1, 0): -0.5, (2, 0): 3.0})
     strip = GridView(start.world, look()).picture(changed(start, q=q), 40, 8)[1]
-    assert strip.text == "  −1.0   ▕    0    ▕   3.0   ▕         ▕"
+    assert strip.text == "   −1.0  ▕    0    ▕   3.0   ▕         ▕"
     bold = Style(bold=True)
     assert style_at(strip, 3) == palette.signed_value(-1.0 / 3.0) + bold
     assert style_at(strip, 14) == palette.signed_value(0.0) + bold
@@ -286,8 +286,8 @@ def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
     q[snapshot.world.space.pairs_of(22).start] = 0.1
     view = GridView(snapshot.world, look())
     rows = [strip.text for strip in view.picture(changed(snapshot, q=q, state=21), 60, 20)]
-    assert rows[0].startswith("S→ ")
-    assert rows[1].startswith(" · ◉←  * ")
+    assert rows[0].startswith("S →")
+    assert rows[1].startswith(" · ◉ ← *  ·")
     assert rows[19].endswith(" ★ ")
     assert view.heading == "World · greedy, V as colour"
     assert view.footing == ""

@@ -265,11 +265,17 @@ def test_the_footing_names_the_layers_and_reverses_the_one_in_force() -> None:
         ("cartpole", 60, "ang, vel"),
         ("cartpole", 38, "ang, vel"),
         ("taxi", 38, "r,c p→d"),
+        ("blackjack", 44, "sum,card,ace"),
+        ("blackjack", 32, "sum,card,ace"),
         ("frozenlake", 60, ""),
     ],
 )
 def test_the_parts_of_state_names_have_a_heading(scenario: str, width: int, head: str) -> None:
     snapshot = snapshot_of(Run(recipe_for(find(scenario), {}, 0), evaluate=False))
     row = QTable(look()).picture(snapshot, width, 12)[0].text
-    assert row[1:].startswith(head)
-    assert row[1 + len(head) :].startswith("  ")
+    assert row[1:].startswith(f"{head} ")
+
+
+def test_hands_that_never_come_up_have_no_row() -> None:
+    snapshot = snapshot_of(Run(recipe_for(find("blackjack"), {}, 0), evaluate=False))
+    assert QTable(look()).rows_of(snapshot) == 180 + 100

@@ -110,8 +110,9 @@ def labelled(
     axes, rows = grid.axes, list(strips)
     assert axes is not None
     row, column = divmod(grid.cell_of_state[state], grid.columns)
-    if any(title.row == row + 1 and title.is_over(column) for title in axes.titles if any(axes.columns)):
-        row = column = -1  # the cell has its own name below
+    named = (title for title in axes.titles if any(axes.columns) and title.is_over(column))
+    if any(row in (title.row, title.row - 1) for title in named):
+        row = column = -1  # the cell has its own name beside or below
     above = (title for title in reversed(axes.titles) if title.row < row and title.is_over(column))
     own = next(above, None)
     for title in axes.titles:

@@ -8,7 +8,8 @@ here.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from typing import Any, Final, NamedTuple
@@ -27,20 +28,22 @@ _RIGHT: Final = len(_CARD_LABELS) + 1  # first column of the hands with a usable
 _SUMS: Final = tuple(map(str, range(BEST, 3, -1)))
 
 
-def _axes(rows: tuple[str, ...], ends: Mapping[int, str]) -> Axes:
+def _axes(rows: tuple[str, ...], ends: Iterable[Title]) -> Axes:
     across = len(_CARD_LABELS)
     halves = Title(-1, 0, across, "no usable ace"), Title(-1, _RIGHT, across, "usable ace")
-    below = (Title(len(rows) - 2, column - 1, 3, name) for column, name in ends.items())
-    return Axes(rows, (*_CARD_LABELS, "", *_CARD_LABELS), (*halves, *below))
+    return Axes(rows, (*_CARD_LABELS, "", *_CARD_LABELS), (*halves, *ends))
 
 
 _ENDS: Final = {_RIGHT + 2: WON, _RIGHT + 5: DREW, _RIGHT + 8: LOST}
-_BUST: Final = _RIGHT + 5
-TABLE_AXES: Final = _axes(("nat", *_SUMS), _ENDS)
-OBSERVED_AXES: Final = _axes(_SUMS, {_BUST: "bust"})
+_BUST_ROW: Final = _SUMS.index("10")  # below the hands with a usable ace, its name beside it
+TABLE_AXES: Final = _axes(
+    ("nat", *_SUMS), (Title(len(_SUMS) - 1, column - 1, 3, name) for column, name in _ENDS.items())
+)
+OBSERVED_AXES: Final = _axes(_SUMS, [Title(_BUST_ROW, _RIGHT, 5, "bust")])
 OBSERVED_PARTS: Final = (32, 11, 2)
 """Number of sums, dealer's cards and ace values that Gymnasium observes."""
-TABLE_LEGEND: Final = "sum ↓, card →, usable ace right"
+TABLE_LEGEND: Final = "sum ↓, dealer →"
+_NAME_PARTS: Final = ("sum, dealer, ace", "sum, card, ace", "sum,card,ace")
 
 
 class Hand(NamedTuple):
@@ -187,12 +190,12 @@ def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
 def observed_drawing() -> Grid:
     """Return the drawing of all observations. Impossible ones share a cell with busts."""
     sums, cards, aces = map(range, OBSERVED_PARTS)
-    bust = (len(OBSERVED_AXES.rows) - 3) * len(OBSERVED_AXES.columns) + _BUST
+    bust = _BUST_ROW * len(OBSERVED_AXES.columns) + _RIGHT
     cells = []
     for total, card, ace in product(sums, cards, aces):
         comes_up = card and (12 if ace else 4) <= total <= BEST
         cells.append(_cell(BEST - total, card, usable_ace=bool(ace)) if comes_up else bust)
-    return _drawn(OBSERVED_AXES, dict.fromkeys(cells, CellKind.FLOOR), tuple(cells))
+    return replace(_drawn(OBSERVED_AXES, dict.fromkeys(cells, CellKind.FLOOR), tuple(cells)), idle_cell=bust)
 
 
 def _cell(row: int, showing: int, *, usable_ace: bool) -> int:
@@ -202,4 +205,5 @@ def _cell(row: int, showing: int, *, usable_ace: bool) -> int:
 def _drawn(axes: Axes, kinds: Mapping[int, CellKind], cells: tuple[int, ...]) -> Grid:
     rows, columns = len(axes.rows), len(axes.columns)
     all_kinds = tuple(kinds.get(cell, CellKind.WALL) for cell in range(rows * columns))
-    return Grid(rows, columns, all_kinds, cells, (None, None), TABLE_LEGEND, axes=axes)
+    names = _NAME_PARTS
+    return Grid(rows, columns, all_kinds, cells, (None, None), TABLE_LEGEND, axes=axes, name_parts=names)

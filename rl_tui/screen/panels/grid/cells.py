@@ -45,6 +45,7 @@ _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
 _LEAST_ARROW: Final = 6  # columns of a block arrow
 _CORNER: Final = 3  # columns of the agent in a corner
+_WITH_PLATE: Final = 7  # columns of a cell whose agent has a plate
 _BOLD: Final = Style(bold=True)
 MOST_ROWS: Final = 512
 
@@ -178,7 +179,14 @@ class _Cell:
             self._draw_sign()
             form, rows = self.form, self._value_rows
             for y, text in enumerate(rows, form.height - len(rows)):
-                self.canvas.put((form.inner - len(text)) // 2, y, text, self.ink + _BOLD)
+                self.canvas.put(self._centred(len(text)), y, text, self.ink + _BOLD)
+
+    def _centred(self, length: int) -> int:
+        """Return where a text starts: blocks leave the seam out, letters and numbers have one axis."""
+        form = self.form
+        if self.has_blocks:
+            return (form.inner - length) // 2
+        return max(0, min((form.width - length + form.width % 2) // 2, form.inner - length))
 
     # The ground
 
@@ -284,7 +292,7 @@ class _Cell:
     def _draw_sign(self) -> None:
         form, face, canvas = self.form, self.face, self.canvas
         if not face.greedy:
-            middle = (form.inner - 1) // 2, (form.height - 1) // 2
+            middle = self._centred(1), (form.height - 1) // 2
             canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
         if not (self.has_blocks and form.has_block_arrows):
@@ -325,7 +333,7 @@ class _Cell:
     def _draw_letters(self, row: int) -> None:
         form = self.form
         text = self._letters(form.most_signs, form.width - 2)
-        left = (form.inner - len(text)) // 2
+        left = self._centred(len(text))
         if left < self._agent_end(row):
             left = form.inner - len(text)
         ink = self.look.palette.focus if self.extra.has_turned else self._sign_ink  # letters are thin
@@ -350,9 +358,12 @@ class _Cell:
     def _draw_row(self) -> None:
         form, has_signs = self.form, bool(self.face.greedy)
         start = form.inner - form.digits if form.has_values else max(1, (form.width - 1) // 2)
+        if self._has_gap:
+            start = max(2, start)
         if not has_signs and not (self._text and form.has_values):
             dot = "" if self.name else self.glyphs.untried
-            self._put_letters(max(min(1, form.width - 1), (form.inner - 1) // 2), dot)
+            middle = max(min(1, form.width - 1), (form.inner - 1) // 2)
+            self._put_letters(start if self._has_gap else middle, dot)
         elif not form.has_values:
             self._put_letters(start, self._letters(1, form.width - len(self.name) - start))
         else:
@@ -362,9 +373,15 @@ class _Cell:
             self.canvas.put(start, 0, self._text.rjust(form.digits), self.ink)
             self._put_letters(start - len(letters), letters)
 
+    @property
+    def _has_gap(self) -> bool:
+        """True if a blank separates agent or start from the letter."""
+        is_free = not (self.form.has_values or self.name or self.face.text is None)
+        return is_free and bool(self._mark) and self.form.width > LEAST_ARROWS
+
     def _put_letters(self, start: int, letters: str) -> None:
         face, is_dot = self.face, letters == self.glyphs.untried
-        before = start - 2 if is_dot or not (letters or face.text is None) else start - 1
+        before = start - 2 if is_dot or self._has_gap or not (letters or face.text is None) else start - 1
         if self._mark or face.stops or any(self.extra.marks) or face.reward:
             self._put_mark(max(0, before))
         is_free = face.differs and self.canvas.is_blank(0, 0, 1) and start > 0
@@ -454,8 +471,8 @@ class _Cell:
             return
         rows = self._plate_rows
         if not rows:
-            text = f" {self.glyphs.agent} " if form.width >= 5 else self.glyphs.agent
-            self.canvas.put(0, 0, text, style)
+            text = f" {self.glyphs.agent} " if form.width >= _WITH_PLATE else self.glyphs.agent
+            self.canvas.put(int(5 <= form.width < _WITH_PLATE), 0, text, style)  # beside a frame
             return
         for row in range(1, 1 + rows):
             self.canvas.put(1, row, " " * (2 * rows + 2), style)

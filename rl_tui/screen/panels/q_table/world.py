@@ -47,6 +47,9 @@ class TableWorld:
         self.glyphs = glyphs
         self.is_bandit = world.is_bandit
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
+        if isinstance(world.drawing, Grid) and world.drawing.idle_cell is not None:
+            cell_of_state = np.array(world.drawing.cell_of_state)
+            self.live = self.live[cell_of_state[self.live] != world.drawing.idle_cell]
         cells = len(self.live) * len(self.space.action_names)
         self.is_sparse = len(self.live) == 1 or 2 * self.space.pairs <= cells
         """Whether one row per pair is better than a mostly empty matrix."""
@@ -61,11 +64,12 @@ class TableWorld:
         """The name of a state: complete, compact or shortened."""
 
     def name_head(self, width: int) -> str:
-        """Return the longest fitting heading."""
+        """Return the longest heading that fits ``width``, else the shortest in a column more."""
         drawing, names = self.world.drawing, self.space.state_names
         forms = drawing.name_parts if isinstance(drawing, Grid) else ()
-        fitting = (each for each in forms if len(each) <= width and each.count(", ") == names[0].count(", "))
-        return next(fitting, "")
+        forms = tuple(each for each in forms if each.count(",") == names[0].count(","))
+        fitting = next((each for each in forms if len(each) <= width), "")
+        return fitting or "".join(each for each in forms[-1:] if len(each) <= width + 1)
 
     @cached_property
     def brief_width(self) -> int:
