@@ -45,16 +45,16 @@ def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
     snapshot = changed(bandit(), phase=Phase.PAUSED)
     rows = [strip.text for strip in view.picture(snapshot, 40, 10)]
     assert rows == [
-        "  0             ━━┃━━                   ",
-        "  1                  ━━┃━━              ",
-        "  2          ━━━┃━━                     ",
-        "  3                      ━┃━━           ",
-        "  4               ━━┃━━━                ",
-        "▸◉5                             ┃       ",
-        "  6               ━━┃━━                 ",
-        "  7                 ━━┃━━               ",
-        "  8     ━━━┃━━━                         ",
-        "  9                       ━┃━           ",
+        "   0            ━━━┃━━                  ",
+        "   1                 ▐━┃━━              ",
+        "   2          ━━┃━━━ ▌                  ",
+        "   3                 ▐   ━━┃━           ",
+        "   4               ━━┃━━                ",
+        "▸◉ 5                 ▐          ┃       ",
+        "   6              ━━┃━━                 ",
+        "   7                 ━━┃━━              ",
+        "   8     ━━┃━━━      ▌                  ",
+        "   9                 ▐    ━┃━━          ",
     ]
     assert view.footing == "−2…+2"
 
@@ -62,7 +62,7 @@ def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
 def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:
     view = ArmsView(bandit_world(), look())
     rows = [strip.text for strip in view.picture(bandit(), 60, 21)]
-    assert [row[:3] for row in rows[:20:2]] == ["▸◉5" if arm == 5 else f"  {arm}" for arm in range(10)]
+    assert [row[:4] for row in rows[:20:2]] == ["▸◉ 5" if arm == 5 else f"   {arm}" for arm in range(10)]
     assert all(row.strip() == "┊" for row in rows[1:20:2])
     assert rows[20].split() == ["−2", "−1", "0", "1", "2", "Q", "pulls"], "the columns beside the bars too"
     assert rows[20].index("0") == rows[1].index("┊")
@@ -174,21 +174,21 @@ def test_more_arms_than_rows_scroll() -> None:
     world = bandit_world(means=tuple(0.1 * arm for arm in range(50)))
     snapshot = changed(bandit(pulls=0), world=world, q=np.zeros(50), visits=np.zeros(50, dtype=np.int64))
     view = ArmsView(world, look())
-    assert view.picture(snapshot, 40, 10)[0].text.startswith("   0")
+    assert view.picture(snapshot, 40, 10)[0].text.startswith("    0")
     assert view.footing == "↑↓ 1–10 of 50  −1…+1"
     view.pan(5, 0)
-    assert view.picture(snapshot, 40, 10)[0].text.startswith("   5")
+    assert view.picture(snapshot, 40, 10)[0].text.startswith("    5")
     view.pan(99, 0)
-    assert view.picture(snapshot, 40, 10)[9].text.startswith("  49")
+    assert view.picture(snapshot, 40, 10)[9].text.startswith("   49")
     assert view.footing == "↑↓ 41–50 of 50  −1…+1"
     view.follow()
-    assert view.picture(snapshot, 40, 10)[0].text.startswith("   0")
+    assert view.picture(snapshot, 40, 10)[0].text.startswith("    0")
 
 
 def test_narrow_panels_show_the_estimate_as_a_number() -> None:
     rows = picture(bandit(), 9, 10)
-    assert rows[5] == "▸◉5 1.400"
-    assert rows[8] == "  8 −1.20"
+    assert rows[5] == "▸◉ 5 1.40"
+    assert rows[8] == "   8 −1.2"
 
 
 def test_wide_panels_add_estimate_and_pulls() -> None:
@@ -208,8 +208,10 @@ def test_bars_go_from_0_to_the_estimate_and_the_greedy_one_has_the_colour_of_wha
     zero, end = strips[1].text.index("┊"), strips[10].text.index("┃")
     assert style_at(strips[10], 0) == palette.best
     grounds = [getattr(style_at(strips[10], x), "bgcolor", None) for x in range(zero - 1, end + 2)]
-    assert grounds == [None, *[palette.best.color] * (end + 1 - zero), None]
-    other = style_at(strips[16], zero)
+    assert grounds == [None, None, *[palette.best.color] * (end - zero), None]
+    assert strips[10].text[zero] == "▐", "the line of 0 is in the middle of its cell"
+    assert style_at(strips[10], zero).color == palette.best.color
+    other = style_at(strips[16], zero - 1)
     assert other is not None
     assert other.bgcolor not in (None, palette.best.color)
 
@@ -225,7 +227,7 @@ def test_without_colours_bars_are_characters() -> None:
 def test_arms_have_one_to_three_rows_if_one_is_left_for_the_axis(height: int, rows: int) -> None:
     assert rows_an_arm(10, height) == rows
     drawn = picture(bandit(), 60, height)
-    assert [y for y, row in enumerate(drawn) if row[2].isdigit()] == list(range(0, 10 * rows, rows))
+    assert [y for y, row in enumerate(drawn) if row[3].isdigit()] == list(range(0, 10 * rows, rows))
 
 
 def two_valued(q: tuple[float, ...]) -> Snapshot:

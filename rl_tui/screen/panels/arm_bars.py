@@ -83,6 +83,7 @@ _VALUE: Final = 6  # cells of an estimate
 _PULLS: Final = 8
 _SHARE: Final = 7
 _LEAST_VALUE: Final = 3
+_AROUND_NAME: Final = 4  # its marks and a blank before it, a blank after it
 _MOST_ROWS: Final = 3  # rows per arm
 _DEPTH: Final = 0.55  # colour strength of all bars but the best
 
@@ -138,7 +139,7 @@ def names_width(arms: Sequence[Arm], look: Look) -> int:
 
 def value_width(width: int, names: int) -> int:
     """Return the columns for an estimate."""
-    return _VALUE if width >= _VALUES_FROM else max(_LEAST_VALUE, min(_VALUE, width - names - 3))
+    return _VALUE if width >= _VALUES_FROM else max(_LEAST_VALUE, min(_VALUE, width - names - _AROUND_NAME))
 
 
 def _beside(width: int) -> int:
@@ -155,7 +156,7 @@ def draw_arms(
     ▸ marks greedy arms, ◉ the last pull, ★ the revealed best arm.
     """
     glyphs, palette, width, height = look.glyphs, look.palette, canvas.width, canvas.height
-    left = 2 + names + 1
+    left = names + _AROUND_NAME
     plot = _Plot(left, width - left - _beside(width), scale)
     total = sum(arm.pulls for arm in arms)
     for index, arm in enumerate(arms):
@@ -185,9 +186,10 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
         canvas.put(1, y, glyphs.agent, palette.agent)
     name = shortened(glyphs.spelled(arm.name), names, glyphs.ellipsis)
     style = palette.focus if arm.cursor else palette.best if arm.greedy else palette.text
-    canvas.put(2 + names - cell_len(name), y, name, style)
+    end = names + _AROUND_NAME - 1
+    canvas.put(end - cell_len(name), y, name, style)
     if arm.stops:
-        canvas.put(2 + names, y, glyphs.breakpoint, palette.breakpoint)
+        canvas.put(end, y, glyphs.breakpoint, palette.breakpoint)
 
 
 def _draw_bar(canvas: Canvas, rows: range, arm: Arm, plot: _Plot, look: Look) -> None:
@@ -200,9 +202,12 @@ def _draw_bar(canvas: Canvas, rows: range, arm: Arm, plot: _Plot, look: Look) ->
         start, stop = min(zero, end), max(zero, end) + 1
         for row in rows:
             canvas.put(start, row, (" " if ground.bgcolor else glyphs.bar) * (stop - start), ground)
+            if end != zero and ground.bgcolor:  # the line of 0 is in the middle of its cell
+                canvas.put(zero, row, glyphs.half_bar[end > zero], Style(color=ground.bgcolor))
         first, last = plot.column(arm.estimate - arm.error), plot.column(arm.estimate + arm.error) + 1
         line = glyphs.whisker * (end - first) + glyphs.bar_end + glyphs.whisker * (last - end - 1)
         canvas.put(first, y, line, ink)
+        start, stop = start + (zero < end), stop - (end < zero)
         inside = range(max(first, start), min(last, stop))
         if ground.bgcolor and inside:
             canvas.put(inside.start, y, line[inside.start - first : inside.stop - first], ground)
@@ -255,7 +260,7 @@ def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look, form: N
 
 def _draw_axis(canvas: Canvas, y: int, plot: _Plot, look: Look) -> None:
     end = -1
-    for value in ticks(plot.scale, max(2, plot.width // 8)):
+    for value in ticks(plot.scale, max(2, (plot.width + 1) // 8)):
         text = bound_text(value, look.glyphs)
         x = min(plot.column(value) - len(text) // 2, canvas.width - len(text))
         if x > end:

@@ -91,7 +91,7 @@ class StatusLine(WaitingRow):
         margin = 2 if width >= WIDE else 1
         fields = _fields(snapshot, look, width, is_manual=self.is_manual, is_captioned=self.is_captioned)
         beside = width - 2 * margin - sum(field.columns + _GAP for field in fields)
-        title = cell_len(separated(_names(snapshot, self._session)[0], look.glyphs))
+        title = cell_len(look.glyphs.separated(_names(snapshot, self._session)[0]))
         if beside < title <= beside + fields[0].columns + _GAP:
             fields = fields[1:]  # a whole title instead of the speed
         right = [piece for field in _fitting(fields, width - 2 * margin) for piece in _pieces(field, look)]

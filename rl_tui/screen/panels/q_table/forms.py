@@ -12,7 +12,7 @@ from rich.segment import Segment
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, veiled
+from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer
 from rl_tui.screen.panels.q_table.layers import LEARNED_NOT
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene, aligned_right, boxed, framed, padded
 
@@ -337,14 +337,10 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
         style = look.palette.focus if pair in scene.pointed else look.palette.text
         return [Segment(name, style), Segment(" ", look.palette.text)]
 
-    def secret(_: int, __: bool) -> Pieces:
-        return [Segment(_right(veiled(look.glyphs), BOX), look.palette.dim)]
-
     columns = [
         Column("", 1, 1, last),
         Column("arm", label + 1, 1, arm, _right),
         *_value_columns(scene, [Layer.Q, *exact]),
-        *([] if exact else [Column("q*", BOX, 2, secret, _right)]),
         _count_column(scene),
     ]
     room = width - sum(column.width for column in columns)
