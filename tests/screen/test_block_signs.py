@@ -37,7 +37,19 @@ def test_from_six_rows_on_an_arrow_has_a_shaft() -> None:
 
 
 def test_a_diagonal_fills_the_corner_it_points_at() -> None:
-    assert block_sign("arrow", 6, 3, (1, 1)) == ("    ▗▄", "  ▗▟██", "▗▟███▛")
+    assert block_sign("arrow", 6, 3, (1, 1)) == ("    ▗▟", "  ▗▟██", "▗▟████")
+
+
+def test_a_low_star_is_set_by_hand_with_a_row_free_above_and_below() -> None:
+    assert block_sign("star", 8, 4) == ("   ▗▖   ", " ▄▄██▄▄ ", "  █▛▜█  ", " ▝▘  ▝▘ ")
+    for columns, rows in [(6, 3), (8, 4), (8, 5), (10, 6)]:
+        sign = block_sign("star", columns, rows)
+        assert [row[::-1].translate(MIRRORED) for row in sign] == list(sign)
+
+
+def test_other_signs_than_arrows_are_centred_in_their_rows() -> None:
+    assert block_sign("ring", 4, 3) == ("▗▄▄▖", "█  █", "▝▀▀▘")
+    assert block_sign("flag", 4, 3) == ("▄▄▄▄", "███▄", "█   ")
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,9 @@ from typing import Final, Literal
 
 Direction = tuple[int, int]  # rows down and columns right, −1, 0 or 1 each
 Sign = Direction | str  # an arrow by its direction, or a letter
-SignName = Literal["agent", "arrow", "ring", "square", "star"]
+SignName = Literal["agent", "arrow", "flag", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
+_Star = tuple[tuple[int, int], ...]
 
 QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
 _HALVES: Final = " ▀▄█"  # by bits: upper, lower
@@ -33,6 +34,14 @@ _PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; 
     "<": "12421",
     ">": "42124",
 }
+_STARS: Final[
+    tuple[_Star, ...]
+] = (  # half rows from above, from which to which half column beside the middle they are filled
+    ((0, 1), (0, 2), (0, 3), (0, 10), (0, 8), (0, 6), (0, 6), (2, 7), (4, 8), (6, 8)),
+    ((0, 1), (0, 1), (0, 2), (0, 8), (0, 5), (0, 3), (1, 4), (3, 5)),
+    ((0, 1), (0, 2), (0, 6), (0, 4), (1, 4), (3, 5)),
+)
+_LEAST_BY_RULE: Final = 12  # columns of a star that needs no drawing
 _POINTS: Final = 4
 _LEAST_SHAFT: Final = 6  # rows; a shorter arrow is all head
 _SHAFT: Final = 0.32
@@ -40,14 +49,16 @@ _SHAFT: Final = 0.32
 
 @lru_cache(1_024)
 def block_sign(name: SignName, columns: int, rows: int, direction: Direction = (0, 0)) -> tuple[str, ...]:
-    """Return a sign's rows. Arrows have a ``direction``."""
+    """Return a sign's rows. Arrows have a ``direction``, and fill their size. Other signs are centred."""
+    across, up = (columns / 2, rows) if name == "arrow" else (min(columns / 2, rows),) * 2
     inside = _shape(name, direction, rows)
-    unit = min(columns / 2, rows)
+    if name == "star" and columns < _LEAST_BY_RULE:
+        inside = next((_drawn_star(each, across) for each in _STARS if _fits(each, columns, rows)), inside)
     points = [(point + 0.5) / (2 * _POINTS) for point in range(2 * _POINTS)]
 
     def holds(column: int, row: int, right: int, down: int) -> bool:
         hits = sum(
-            inside((column + x - columns / 2) / unit, (2 * (row + y) - rows) / unit)
+            inside((column + x - columns / 2) / across, (2 * (row + y) - rows) / up)
             for x in points[right * _POINTS :][:_POINTS]
             for y in points[down * _POINTS :][:_POINTS]
         )
@@ -97,9 +108,11 @@ def _shape(name: SignName, direction: Direction, rows: int) -> _Inside:
         case "arrow":
             return _arrow(*direction, rows)
         case "agent":
-            return lambda x, y: not 0.1 < x * x + y * y < 0.45 and x * x + y * y <= 1.0
+            return lambda x, y: x * x + y * y <= 1.0
         case "ring":
             return lambda x, y: 0.30 <= x * x + y * y <= 0.95
+        case "flag":  # where a star has no shape
+            return _flag
         case "square":
             return lambda x, y: max(abs(x), abs(y)) <= 0.55
         case "star":
@@ -108,7 +121,7 @@ def _shape(name: SignName, direction: Direction, rows: int) -> _Inside:
 
 def _arrow(down: int, right: int, rows: int) -> _Inside:
     if down and right:
-        return lambda x, y: x * right + y * down >= -0.05 and max(abs(x), abs(y)) <= 0.9
+        return lambda x, y: x * right + y * down >= -0.05 and max(abs(x), abs(y)) <= 1.0
 
     def inside(x: float, y: float) -> bool:
         along, beside = x * right + y * down, abs(x * down) + abs(y * right)
@@ -119,6 +132,23 @@ def _arrow(down: int, right: int, rows: int) -> _Inside:
         return along <= 1 and beside <= 0.84 * (1 - along) / 1.1 + 0.03
 
     return inside
+
+
+def _fits(star: _Star, columns: int, rows: int) -> bool:
+    return len(star) <= 2 * rows - (rows > 3) and max(end for _, end in star) <= columns
+
+
+def _drawn_star(star: _Star, unit: float) -> _Inside:
+    def inside(x: float, y: float) -> bool:
+        row = math.floor(unit * y + len(star) / 2)
+        return 0 <= row < len(star) and star[row][0] <= 2 * unit * abs(x) < star[row][1]
+
+    return inside
+
+
+def _flag(x: float, y: float) -> bool:
+    is_in_notch = x > 0.5 and -0.5 < y < 0.0
+    return abs(x) <= 1 and y > -1 and (x < -0.5 or (y < 0.5 and not is_in_notch))
 
 
 def _star(x: float, y: float) -> bool:

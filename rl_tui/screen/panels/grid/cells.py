@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache, partial
+from operator import itemgetter
 from typing import Final, NamedTuple
 
 from rich.segment import Segment
@@ -42,11 +43,13 @@ from rl_tui.worlds.drawing import CellKind
 _LEADS: Final = 4
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 _MOST_KEPT: Final = 20_000
-_LEAST_STAR: Final = 4  # rows of a cell
-_LEAST_ARROW: Final = 6  # columns of a block arrow
+_LEAST_ARROW: Final = 2  # columns and rows of a block arrow
+_LEAST_FRAMED: Final = (4, 2)  # columns and rows of a cell
+_START_WORD: Final = "start"
 _CORNER: Final = 3  # columns of the agent in a corner
 _WITH_PLATE: Final = 7  # columns of a cell whose agent has a plate
 _BOLD: Final = Style(bold=True)
+_REVERSE: Final = Style(reverse=True)
 MOST_ROWS: Final = 512
 
 _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
@@ -228,14 +231,15 @@ class _Cell:
                 self.canvas.put_where_blank(0 if after else form.width - 1, row, edge, self.ink + _BOLD)
 
     def _put_seams(self) -> None:
-        if not self.form.has_seam or not self.extra.is_reached:
+        if not self.form.has_seam or not self.extra.is_reached or self.face.kind is CellKind.CLIFF:
             return
         right, below = tuple(self.glyphs.seams)
         width, last, blank = self.form.width - 1, self.form.height - 1, self._blank
         for row in range(last + 1):
             self.canvas.put_where_blank(width, row, right, blank)
-        if last >= 2:
-            self.canvas.put_where_blank(0, last, below * width, blank)
+        # beside numbers it would look like a form
+        if last >= 2 and self.face.kind in _ALIVE and self.canvas.is_blank(0, last, width):
+            self.canvas.put(0, last, below * width, blank)
 
     def _put_cursor(self) -> None:
         for row in range(self.form.height - max(1, len(self._value_rows)), self.form.height):
@@ -244,10 +248,14 @@ class _Cell:
             put_frame(self.canvas, self.look.palette.you, self.look)
 
     def _put_trace_frame(self, colour: Style | None) -> None:
-        if colour is not None and self.glyphs.braille and self.form.width >= 5:
+        form, (width, height) = self.form, _LEAST_FRAMED
+        has_frame = form.width > width or (form.width == width and form.height >= height)
+        if colour is not None and self.glyphs.braille and has_frame:
             put_frame(self.canvas, colour, self.look)
-        elif colour is not None and (self.form.has_values or self.extra.trace.is_next):
-            self.canvas.restyle(0, self.form.value_row, self.form.inner, Style(reverse=True))
+        elif colour is not None and (form.has_values or self.extra.trace.is_next):
+            for x in range(form.inner):
+                if not self.canvas.is_blank(x, form.value_row, 1):  # in reverse it has the colour of the page
+                    self.canvas.restyle(x, form.value_row, 1, _REVERSE)
 
     # Signs and values
 
@@ -255,9 +263,11 @@ class _Cell:
         kind, form = self.face.kind, self.form
         rows = sign_size(form.width, form.height)[1] if self.has_blocks else 0
         if kind is CellKind.HOLE and rows:
-            self._put_block("ring", rows, self.ink)
-        elif kind is CellKind.GOAL and rows and form.height >= _LEAST_STAR:
-            self._put_block("star", min(rows + 1, form.height - 1), self.ink)
+            self._put_block("ring", 2 * rows)
+        elif kind is CellKind.GOAL and rows > _LEAST_ARROW:
+            self._put_block("star", min(2 * rows + 2, form.inner))
+        elif kind is CellKind.GOAL and rows and self.face.reward is None:
+            self._put_block("flag", 2 * rows)
         elif kind is not CellKind.CLIFF:
             self.canvas.put((form.inner - 1) // 2, (form.height - 1) // 2, self._end_sign, self.ink)
 
@@ -267,15 +277,13 @@ class _Cell:
         signs = {CellKind.HOLE: glyphs.hole, CellKind.GOAL: glyphs.goal, CellKind.CLIFF: glyphs.cliff}
         return signs.get(self.face.kind, "")
 
-    def _put_block(self, name: SignName, rows: int, ink: Style) -> None:
-        free = self._agent_end(0)
-        if free + 2 * rows > self.form.inner:
-            self.canvas.put(self.form.inner - 2, (self.form.height - 1) // 2, self._end_sign, ink)
+    def _put_block(self, name: SignName, columns: int) -> None:
+        form, free = self.form, self._agent_end(0)
+        if free + columns > form.inner:
+            self.canvas.put(form.inner - 2, (form.height - 1) // 2, self._end_sign, self.ink)
             return
-        left, top = free + (self.form.inner - free - 2 * rows) // 2, (self.form.height - rows) // 2
-        if self.face.reward is not None:  # the reward is above the sign
-            top = self.form.height - rows
-        self._put_rows(left, top, block_sign(name, 2 * rows, rows), ink)
+        left, above = free + (form.inner - free - columns) // 2, self.face.reward is not None
+        self._put_rows(left, above, block_sign(name, columns, form.height - above), self.ink)
 
     def _put_rows(self, left: int, top: int, rows: Sequence[str], ink: Style) -> None:
         for y, row in enumerate(rows, start=top):
@@ -295,27 +303,44 @@ class _Cell:
             middle = self._centred(1), (form.height - 1) // 2
             canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
-        if not (self.has_blocks and form.has_block_arrows):
+        top = min(1, form.value_row - form.arrow_rows)
+        if not self.has_blocks:
             self._draw_letters(form.value_row // 2)
-            return
-        top = 0 if form.height <= 4 else 1
-        free = self._agent_end(top)
-        if not self._put_blocks(free, top):
+        elif not (self._put_blocks(top) or self._put_rose()):
             self._draw_letters(top + 1)
 
-    def _put_blocks(self, free: int, top: int) -> bool:
-        """Put greedy directions side by side, tips to neighbours: flat sides would merge."""
-        form, signs = self.form, self.face.greedy
-        directions = sorted((each for each in signs if isinstance(each, tuple)), key=lambda each: -each[1])
-        room, most = form.inner - free, 2 * form.arrow_rows
-        if len(directions) < len(signs) or room < _LEAST_ARROW * len(signs):
+    def _put_blocks(self, top: int) -> bool:
+        """Put the greedy directions side by side, smaller below or beside the agent."""
+        form, count, rows = self.form, len(self.face.greedy), self.form.arrow_rows
+        directions = sorted((each for each in self.face.greedy if isinstance(each, tuple)), key=itemgetter(1))
+        free = self._agent_end(top)
+        if free == _CORNER:
+            free += 1  # both may be black
+            if count * (2 * rows + 1) - 1 > form.inner - free and form.value_row > _LEAST_ARROW:
+                top, rows, free = 1, form.value_row - 1, 0
+        room = form.inner - free
+        columns = min(2 * rows, (room + 1) // count - 1 if count > 1 else room)
+        columns -= columns > 3 and columns % 2
+        if len(directions) < count or columns < _LEAST_ARROW or (count > 1 and rows == _LEAST_ARROW):
             return False
-        columns = min(most, max(_LEAST_ARROW, (room + 1) // len(signs) - 1)) & ~1
-        step = columns + min(2, room // len(signs) - columns)
-        left = free + (room - step * (len(signs) - 1) - columns + (free > 0)) // 2
+        gap = min(2, (room - count * columns) // max(1, count - 1))
+        left = free + (room - count * columns - (count - 1) * gap) // 2
+        low = min(rows, max(_LEAST_ARROW, columns // 2))
         for place, direction in enumerate(directions):
-            sign = block_sign("arrow" if any(direction) else "square", columns, columns // 2, direction)
-            self._put_rows(left + place * step, top + (most - columns + 2) // 4, sign, self._sign_ink)
+            sign = block_sign("arrow" if any(direction) else "square", columns, low, direction)
+            x, y = left + place * (columns + gap), top + (rows - low + 1) // 2
+            self._put_rows(x, y, sign, self._sign_ink)
+        return True
+
+    def _put_rose(self) -> bool:
+        """Put letters around a centre, in three rows above the number."""
+        form, greedy, top = self.form, self.face.greedy, min(1, self.form.value_row - 3)
+        middle = max((form.inner - 1) // 2, self._agent_end(top) + 2)
+        if top < 0 or middle + 2 >= form.inner or any(isinstance(each, str) for each in greedy):
+            return False
+        for down, right in greedy:
+            text = sign_text((down, right), self.look)
+            self.canvas.put(middle + 2 * right, top + 1 + down, text, self._sign_ink)
         return True
 
     def _agent_end(self, row: int) -> int:
@@ -429,25 +454,27 @@ class _Cell:
             canvas.put(inner - 1, 0, self.glyphs.breakpoint, self.look.palette.breakpoint)
         room = next((x for x in range(left, inner) if not canvas.is_blank(x, 0, 1)), inner) - left
         put_reward(canvas, left, 0, room, face.reward, self.look)
+        if self.extra.way is None and face.kind is CellKind.START:
+            self._put_start(left)
         put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
         if self.extra.way is not None:
             self._put_one_way(self.extra.way)
-        elif face.kind is CellKind.START:
-            self._put_start()
         if face.differs:
             self._put_differing(left)
         put_marks(canvas, self.extra.marks, (left, 0), self.look)
 
-    def _put_start(self) -> None:
-        end = self.form.inner
-        while end > 1 and not self.canvas.is_blank(end - 1, 0, 1):
-            end -= 1
-        end -= end == self.form.inner and self.form.says_start
-        for text in ("start", START):
-            x = end - len(text)
-            is_wide = self.form.says_start or text == START
-            if is_wide and x >= 0 and self.canvas.is_blank(x, 0, len(text)):
-                self.canvas.put(x, 0, text, paled(self.ink, 0.5))
+    def _put_start(self, left: int) -> None:
+        """Put a word, or a letter where it touches nothing."""
+        form, canvas, style = self.form, self.canvas, paled(self.ink, 0.5)
+        last = form.inner - 1
+        before_trail = last - self.extra.trace.was_here
+        x = before_trail - len(_START_WORD)
+        if form.says_start and canvas.is_blank(x - 1, 0, len(_START_WORD) + 1):
+            canvas.put(x, 0, _START_WORD, style)
+            return
+        for x, y, beside in ((before_trail, 0, -1), (left, 0, 1), (last, form.value_row, -1), (last, 0, -1)):
+            if canvas.is_blank(min(x, x + beside), y, 2):
+                canvas.put(x, y, START, style)
                 return
 
     def _put_one_way(self, way: Direction) -> None:

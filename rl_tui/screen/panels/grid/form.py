@@ -15,7 +15,6 @@ _WITH_CORNER: Final = 10  # columns of a cell with two rows
 _LEAST_WITH_SEAM: Final = 5
 _LEAST_BLOCKS: Final = (7, 3)
 _LEAST_PLATES: Final = ((23, 8, 4), (17, 6, 3))  # columns and rows of a cell, rows of the agent's plate
-_LEAST_ARROW_ROWS: Final = 3  # with fewer, an arrow in blocks has no shape
 _LEAST_WITH_BLOCK_VALUES: Final = 9  # rows of a cell
 _AROUND_AN_ARROW: Final = 5  # rows of a value in blocks, and one above and below the arrow
 _LEAST_START: Final = 13
@@ -25,7 +24,7 @@ _LEAST_NUMBERED: Final = (11, 5)
 class CellForm(NamedTuple):
     """A cell's size in characters, which decides its contents.
 
-    From 9 × 4 on, the greedy action is a block arrow, else a letter. From 5 columns on, seams separate
+    From 7 × 3 on, the greedy action is a block arrow, else a letter. From 5 columns on, seams separate
     neighbours if they fit.
     """
 
@@ -51,13 +50,8 @@ class CellForm(NamedTuple):
 
     @property
     def has_blocks(self) -> bool:
-        """True if holes are blocks, and step paths shown."""
+        """True if arrows and ends are blocks, and step paths shown."""
         return self.width >= _LEAST_BLOCKS[0] and self.height >= _LEAST_BLOCKS[1]
-
-    @property
-    def has_block_arrows(self) -> bool:
-        """True if greedy actions are blocks."""
-        return self.has_blocks and self.arrow_rows >= _LEAST_ARROW_ROWS
 
     @property
     def has_block_values(self) -> bool:

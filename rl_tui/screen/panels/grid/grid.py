@@ -405,7 +405,7 @@ class GridView(WorldView):
             yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
         if actions is None and has_arrows and self._has_greedy and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
-            has_blocks = form is not None and form.has_block_arrows and glyphs.braille
+            has_blocks = form is not None and form.has_blocks and glyphs.braille
             is_block = has_blocks and isinstance(greedy, tuple)
             is_paled = palette.has_shades and self._has_pale and not self.shows_drawing
             sign = glyphs.head_up if is_block else sign_text(greedy, self.look)
