@@ -7,7 +7,7 @@ rng = np.random.default_rng()
 q_values = np.zeros((16, 4))
 returns = {(s, a): [] for s in range(16) for a in range(4)}
 
-for episode in range(2500):
+for episode in range(800):
     trajectory = []
     s, _ = env.reset()
     done = False

@@ -7,7 +7,7 @@ import gymnasium as gym
 env = gym.make("FrozenLake-v1", is_slippery=False)
 Q = [[0.0] * 4] * 16
 alpha, gamma = 0.1, 0.9
-for episode in range(1200):
+for episode in range(400):
     s, _ = env.reset()
     done = False
     while not done:
