@@ -112,7 +112,7 @@ async def test_the_table_the_model_and_a_new_size_may_look_elsewhere_while_the_a
 async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view() -> None:
     async with on_screen(app_of(), (120, 40)) as pilot:
         screen = playground(pilot)
-        await train(pilot, 3_000)
+        await train(pilot, 300)
         await tap(pilot, "c", "a", "down", "enter")
         left, right = (screen.board.panel(panel) for panel in ("world", "world-beside"))
         assert isinstance(left, GridView)
@@ -121,7 +121,7 @@ async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view
             await tap(pilot, key)
             assert left.stance == right.stance
             check_complete(screen)  # both show the surroundings of the controlled run's agent
-        await train(pilot, 20_000)
+        await train(pilot, 3_000)
         check_complete(screen)
         shown = newest(screen)
         assert shown.beside is not None
