@@ -42,10 +42,10 @@ ELSEWHERE: Final = (
     "An example: rl-tui train cliff --runs 50 --json > cliff.json",  # a choice
     "rl-tui sweep cliff --vary alpha=0.05:1:8 --vary algorithm=q-learning,sarsa --runs 30",  # a choice
     "with the same 30 seeds",  # that one
-    "After some 1,320 steps",  # test_watched_lake.py, as the next two
-    "it takes some 1,320 steps",
+    "After about 1,320 steps",  # test_watched_lake.py, as the next two
+    "it takes about 1,320 steps",
     "Step 376 is the first step onto the goal.",
-    "calls one of them better in 1.3 % of all studies",  # test_many_seeds_panel.py
+    "calls one of them better in 1.3 % of all cases",  # test_many_seeds_panel.py
     "at most 19 % late",  # test_run_rows.py, as the next
     "Up to episode 6 it is exact.",
     "is within 5 % of the best",  # test_run_rows.py

@@ -145,3 +145,10 @@ def test_what_has_no_table_is_null_with_the_reason() -> None:
 @pytest.mark.parametrize("arguments", [["--json", "a.toml"], ["--deep", "student", "maze"]])
 def test_one_scenario_and_deep_go_together(arguments: list[str]) -> None:
     assert CliRunner().invoke(program, ["check", *arguments]).exit_code == 2
+
+
+def test_a_lesson_is_no_scenario() -> None:
+    lesson = Path(__file__).parents[2] / "lessons/loop.toml"
+    result = CliRunner().invoke(program, ["check", "--deep", str(lesson)])
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "loop.toml is a lesson: leave out --deep" in result.stderr

@@ -101,7 +101,10 @@ def test_a_file_says_what_is_done_and_how_many_states_it_leaves_out(tmp_path: Pa
     assert nothing["not_given"] == 3
     assert nothing["V"] == pytest.approx(document("student", "--policy", "uniform")["V"])
     report = run("student", "--policy", str(path)).stdout
-    assert "The file has no action for 3 states" in report
+    assert "The file has no action for any state: this is the random policy." in report
+    path.write_text('{"Class": "study"}', encoding="utf-8")
+    report = run("student", "--policy", str(path)).stdout
+    assert "The file has no action for 2 states: the policy is random there." in report
 
 
 def test_a_policy_that_never_ends_has_no_figures(tmp_path: Path) -> None:

@@ -67,7 +67,7 @@ def test_a_folder(folder: Path, evening: Path) -> None:
         "none.json": ["✗", "✗", "✗", "0", "of", "3", "-"],
         "broken.json": ["-", "-", "-", "-", "-"],
     }
-    assert "broken.json: is not JSON" in result.stdout
+    assert "broken.json: not JSON" in result.stdout
     assert result.stdout.endswith(f"{PROVES}\n")
 
 
@@ -114,7 +114,7 @@ def test_what_does_not_go_together(args: tuple[str, ...], message: str, folder: 
     [
         (("{all}", "no-such-lesson"), "there is no lesson"),
         (("{folder}/nowhere.json", "{lesson}"), "no such file"),
-        (("{lesson}", "{lesson}"), "is not JSON"),
+        (("{lesson}", "{lesson}"), "not JSON"),
         (("{empty}", "{lesson}"), "found no session in this folder"),
     ],
 )

@@ -27,6 +27,7 @@ from rl_tui.live.sessions.session import encoded
 from rl_tui.runs.library import find, recipe_for
 from rl_tui.runs.timeline.branches import FIRST, RunRecord
 from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.studies.sweeps.cell import MEASURES
 
 
 def one_line(result: Result) -> str:
@@ -147,6 +148,7 @@ def test_near_commands_are_suggested() -> None:
     assert "did you mean plot?" in run("plots").stderr
     assert "rl-tui play frozenlake" in run("frozenlake").stderr
     assert "to play a scenario: rl-tui play maze" in run("maze").stderr  # also a word for a key
+    assert_refused(run("frobnicate"), 2, "unknown command 'frobnicate' (rl-tui --help lists the commands)")
 
 
 @pytest.mark.parametrize(
@@ -316,6 +318,19 @@ def test_check_accepts_the_shipped_scenarios() -> None:
     assert len(files) >= 25
 
 
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("learn", "nolesson"), 'no lesson "nolesson"'),
+        (("play", "nowhere"), 'no scenario "nowhere"'),
+        (("edit", "nowhere"), 'no scenario "nowhere"'),
+        (("watch", "nowhere.py"), "nowhere.py: no such file"),
+    ],
+)
+def test_an_unknown_name_is_reported_without_a_terminal_too(args: tuple[str, ...], said: str) -> None:
+    assert_refused(run(*args), 1, said)
+
+
 @pytest.mark.parametrize("args", [(), ("play",), ("play", "frozenlake")])
 def test_without_a_terminal_one_sentence_and_status_2(args: tuple[str, ...]) -> None:
     assert_refused(run(*args), 2, "needs a terminal")
@@ -423,3 +438,8 @@ def test_an_option_that_nobody_uses_is_told() -> None:
     assert planned.stderr == "--epsilon has no effect: value-iteration does not use it\n"
     used = run("train", "frozenlake", "--episodes", "5", "--algorithm", "sarsa-lambda", "--lambda", "0.5")
     assert used.stderr == ""
+
+
+def test_help_lists_every_metric_of_a_sweep() -> None:
+    said = run("sweep", "--help").stdout
+    assert [name for name in MEASURES if name not in said] == []

@@ -200,7 +200,7 @@ def test_a_faulty_file_is_one_line(tmp_path: Path) -> None:
         args = [command, str(path)] + (["--out", "-"] if command == "screenshot" else [])
         result = CliRunner().invoke(program, args)
         assert (result.exit_code, result.stdout) == (1, "")
-        assert result.stderr == f"rl-tui: {path}: is incomplete or damaged; open an earlier copy\n"
+        assert result.stderr == f"rl-tui: {path}: incomplete or damaged; open an earlier copy\n"
 
 
 def test_a_session_takes_no_options_of_a_run(tmp_path: Path) -> None:

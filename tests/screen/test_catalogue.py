@@ -484,7 +484,7 @@ async def test_until_a_world_is_built_it_is_being_prepared_and_in_ascii_no_dot_l
         assert pilot.app.screen.query_one("#prose").region == before, "nothing moves"
         await pilot.resize_terminal(120, 40)
         await go_to(pilot, "bandit")
-        assert "1 state - 10 actions - budget 1,000 - 10 pairs" in facts(pilot)
+        assert "1 state - 10 actions - budget 1,000 - 10 state-action pairs" in facts(pilot)
 
 
 async def test_arrows_show_the_details_of_each_and_nothing_of_one_under_the_title_of_the_next(
@@ -510,7 +510,7 @@ async def test_arrows_show_the_details_of_each_and_nothing_of_one_under_the_titl
         assert "10 actions" in facts(pilot)
         await go_to(pilot, "frozenlake")
         assert "16 states" in facts(pilot)
-        assert "44 pairs" in facts(pilot)
+        assert "44 state–action pairs" in facts(pilot)
 
 
 async def test_enter_opens_and_escape_comes_back_to_the_same_entry_and_help_names_the_keys_there(
@@ -550,7 +550,7 @@ def test_sizes_are_loading_until_the_world_is_built() -> None:
     assert sizes(None) == "loading …"
     assert sizes(UserError("no such environment")) == "unknown: no such environment"
     student = find("student").build(streams(0).world)
-    assert sizes(student) == "4 states, 3 with actions · 5 actions · 100 steps at most · 5 pairs"
+    assert sizes(student) == "4 states, 3 with actions · 5 actions · 100 steps max · 5 state–action pairs"
     assert "budget 1,000" in sizes(find("bandit").build(streams(0).world))
 
 

@@ -180,7 +180,7 @@ async def test_the_settings_stand_below_a_blank_row_where_all_of_them_fit() -> N
     async with Alone().run_test(size=(48, 9)) as pilot:
         for height, rows in (
             (9, ["", "sliders", "sliders", "sliders", "", "Q-learning · ε-greedy · ties random · Q₀ 0"]),
-            (4, ["sliders", "sliders", "sliders", "Q-learning · ε-greedy · 10/s · a change"]),
+            (4, ["sliders", "sliders", "sliders", "Q-learning · ε-greedy · 10/s · a: change"]),
         ):
             controls.wanted = LAKE.agent.hyperparameters
             controls.show(LAKE)

@@ -202,6 +202,6 @@ async def test_a_world_can_be_drawn_from_the_start_and_keys_that_draw_are_not_sa
     async with on_screen(app_at(DrawingStart(recipe_for(find("frozenlake"))))) as pilot:
         assert snapshot(pilot).editor.draft is not None
         drawing = screen_text(pilot.app)
-        assert "a change" not in drawing
+        assert "a: change" not in drawing
         await press(pilot, "escape")
-        assert "a change" in screen_text(pilot.app)
+        assert "a: change" in screen_text(pilot.app)

@@ -91,7 +91,7 @@ def test_each_policy_has_its_figures() -> None:
         figures = (answer.expected_return, answer.value_at_start, answer.steps)
         assert rows[POLICY_NAMES[kind]][:3] == [policies.amount(x, look()) for x in figures if x is not None]
     assert rows["drawn"] == rows["random"]  # no policy was drawn
-    assert "drawn: random until w p draws it" in said(studied(lake()))
+    assert "drawn: random until you draw it (w p)" in said(studied(lake()))
 
 
 def test_what_exploring_costs_is_the_difference() -> None:
@@ -101,7 +101,7 @@ def test_what_exploring_costs_is_the_difference() -> None:
     assert acts is not None
     assert acts > greedy  # this greedy policy goes in circles
     text = said(studied(lake()))
-    assert f"exploring (ε .10) brings {policies.amount(acts - greedy, look())} an episode" in text
+    assert f"exploring (ε .10) gains {policies.amount(acts - greedy, look())} an episode" in text
     assert "greedy earns as much as optimal" in text
     worse = replace(answers[PolicyKind.OPTIMAL], expected_return=greedy + 0.25)
     assert "greedy earns .250 less than optimal" in said(studied(lake(), optimal=worse))
@@ -112,8 +112,8 @@ def test_what_exploring_costs_is_the_difference() -> None:
 def test_the_limit_and_the_discount_are_told() -> None:
     text = said(studied(lake()), 60)
     assert "return: mean within 100 steps" in text
-    assert "γ .99, without the limit" in text
-    assert "ending: how likely an episode ends" in text
+    assert "γ .99, no time limit" in text
+    assert "ending: chance that an episode ends" in text
 
 
 def test_a_policy_that_never_ends_has_no_return_and_says_so() -> None:

@@ -207,13 +207,13 @@ async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(
     async with on_screen(make_app("frozenlake")) as pilot:
         await press(pilot, "t", "b", "u")
         assert rows(pilot)[-2:] == ["Breakpoints", "9   state 0"]
-        assert "5   state 0 is reached: breakpoint on" in rows(pilot)
+        assert "5   breakpoint at state 0: on" in rows(pilot)
         await press(pilot, "up", "delete")
         await settle(pilot)  # the dialog stays open, and the key's effect happens beneath it
         cleared = await press(pilot)
         assert not cleared.playback.breakpoints
         assert rows(pilot)[-1] == "No breakpoints. t b sets one at the cursor."
-        assert "state 0 is reached: breakpoint off" in " ".join(rows(pilot))
+        assert "breakpoint at state 0: off" in " ".join(rows(pilot))
         marked = await press(pilot, "5")  # a switch
         assert (await press(pilot)).playback.breakpoints.states == {0} == marked.playback.breakpoints.states
         await press(pilot, "5", "u")

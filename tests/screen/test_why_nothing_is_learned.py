@@ -89,7 +89,7 @@ async def test_an_optimistic_start_begins_again_and_then_it_is_over(make_app: Ma
         await press(pilot, "enter", "Y")
         assert not isinstance(pilot.app.screen, Why)
         await press(pilot, "e", "t", "y")
-        assert "The wait is over" in screen_text(pilot.app)
+        assert "The agent has begun to learn" in screen_text(pilot.app)
         await press(pilot, "escape")
         assert snapshot(pilot).answers.first_update is None
         assert playground(pilot).recipe.hyperparameters.initial_q == 1.0
@@ -115,10 +115,10 @@ async def test_a_bandit_keeps_its_secret_until_it_is_revealed(make_app: MakeApp)
         assert "it would reveal the arms" in screen_text(pilot.app)
         assert "chance" not in screen_text(pilot.app)
         await press(pilot, "Y", "w", "h", "t", "y")
-        assert "a chance of" in screen_text(pilot.app)
+        assert "has probability" in screen_text(pilot.app)
         await press(pilot, "Y", "w", "h", *["s"] * 20, "t", "y")
         text = screen_text(pilot.app)
-        assert "The wait is over: an estimate has changed." in text
+        assert "The agent has begun to learn: an estimate has changed." in text
         assert "reveal" not in text
         assert "chance" not in text
 

@@ -59,19 +59,19 @@ ONE_FAULT = {
     ),
     "a ragged map": (
         'map = """\nS..\n..\n..G\n"""\n',
-        ("map", "line 2 has the length 2; make every line as long as line 1, 3", ""),
+        ("map", "line 2 has 2 characters, line 1 has 3; make all equally long", ""),
     ),
     "a map with several odd lines": (
         'map = "S..\\n.\\n..G\\n...."\n',
         (
             "map",
-            "line 2 has the length 1 (1 more line of another length); make every line as long as line 1, 3",
+            "line 2 has 1 character, line 1 has 3 (1 more line of another length); make all equally long",
             "",
         ),
     ),
     "an empty line inside": (
         'map = "SG\\n\\n.."\n',
-        ("map", "line 2 has the length 0; make every line as long as line 1, 2", ""),
+        ("map", "line 2 has 0 characters, line 1 has 2; make all equally long", ""),
     ),
     "no start": (
         'map = "..G"\n',

@@ -250,20 +250,20 @@ ONE_FAULT = {
         '[gymnasium]\nid = "FrozenLke-v1"\n',
         (
             "gymnasium.id",
-            '"FrozenLke-v1"',
-            'the id of a registered environment (did you mean "FrozenLake-v1"?)',
+            'no environment is registered as "FrozenLke-v1"; choose another (did you mean "FrozenLake-v1"?)',
+            "",
         ),
     ),
     "an environment near to none that is small": (
         '[gymnasium]\nid = "Hoper-v5"\n',
-        ("gymnasium.id", '"Hoper-v5"', "the id of a registered environment"),
+        ("gymnasium.id", 'no environment is registered as "Hoper-v5"; choose another', ""),
     ),
     "an environment near to one in other letters": (
         '[gymnasium]\nid = "BlackJack-v2"\n',
         (
             "gymnasium.id",
-            '"BlackJack-v2"',
-            'the id of a registered environment (did you mean "Blackjack-v1"?)',
+            'no environment is registered as "BlackJack-v2"; choose another (did you mean "Blackjack-v1"?)',
+            "",
         ),
     ),
     "an environment that is not discrete": (
@@ -288,7 +288,7 @@ ONE_FAULT = {
         LAKE + "kwargs = { slippery = true }\n",
         (
             "gymnasium.kwargs",
-            "FrozenLake-v1 refuses these arguments (TypeError: .*); give arguments that it accepts",
+            "FrozenLake-v1 cannot be created with these arguments (TypeError: .*); correct them",
             "",
         ),
     ),

@@ -194,10 +194,14 @@ def test_the_goals_of_taxi_are_where_its_rides_end():
 @pytest.mark.parametrize(
     ("name", "kwargs", "found"),
     [
-        ("FrozenLake-v9", {}, '"FrozenLake-v9"'),
+        ("FrozenLake-v9", {}, 'no environment is registered as "FrozenLake-v9"'),
         ("CartPole-v1", {}, "the states of CartPole-v1 are Box"),
         ("Blackjack-v1", {}, "the states of Blackjack-v1 are Tuple"),
-        ("FrozenLake-v1", {"map_name": "5x5"}, "FrozenLake-v1 refuses these arguments (KeyError: '5x5')"),
+        (
+            "FrozenLake-v1",
+            {"map_name": "5x5"},
+            "FrozenLake-v1 cannot be created with these arguments (KeyError: '5x5')",
+        ),
         (
             "FrozenLake-v1",
             {"desc": ["FF", "FG"]},

@@ -34,6 +34,6 @@ def new(file: str, style: str) -> None:
 
     write_skeleton(Path(file), Style(style))
     name = command_line([file])
-    complain(f"{file} is written; now add the missing line, the update")
+    complain(f"Wrote {file}. Add the missing line (the update), then watch and grade the agent:")
     click.echo(f"rl-tui play frozenlake --agent {name}")
     click.echo(f"rl-tui grade {name} --scenario frozenlake")

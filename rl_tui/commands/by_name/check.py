@@ -32,16 +32,19 @@ def command(
     Short training runs show algorithms whose greedy policy may never end. --seed matters if the world is
     random. --json prints all facts as one document.
     """
+    from rl_tui.lessons.check import is_lesson_file
+
     if deep:
         if len(files) != 1:
             raise click.UsageError("--deep takes one scenario", context)
+        if is_lesson_file(files[0]):
+            raise click.UsageError(f"{files[0]} is a lesson: leave out --deep", context)
         if _deep(files[0], seed, as_json=as_json):
             context.exit(1)
         return
     if as_json:
         raise click.UsageError("--json needs --deep", context)
     from rl_tui.common.findings import printable
-    from rl_tui.lessons.check import is_lesson_file
 
     faulty = False
     for file in files:

@@ -71,11 +71,11 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Print the exact value of a policy in each state, and how long its episodes last.
+    """Print the exact value of a policy in each state.
 
-    If several actions are optimal, the optimal policy takes each equally often. In states that a policy file
-    does not mention, actions are random. An agent is trained with the scenario's ε. --epsilon applies only
-    after training. An example:
+    The report also has the return and length of an episode. If several actions are optimal, the optimal
+    policy takes each equally often. In states that a policy file does not mention, actions are random. An
+    agent is trained with the scenario's ε. --epsilon applies only after training. An example:
 
     rl-tui evaluate cliff --policy optimal --epsilon 0.1
     """

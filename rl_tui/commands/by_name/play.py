@@ -49,8 +49,8 @@ def command(
     from rl_tui.commands.line.screen import require_terminal, run_app
 
     enter_kiosk("play")
-    require_terminal()
     from rl_tui.worlds.files.catalogue import scenarios
 
     what = start_of(scenario if scenario is not None else scenarios()[0].id, overrides, seed)
+    require_terminal()
     run_app(display_of(display), what if agent is None else request_of(agent, what, overrides))

@@ -19,8 +19,8 @@ def command(out: str, size: tuple[int, int], keys: str, **values: Any) -> None:
     """Record a screen for asciinema.
 
     Keys and options are those of screenshot. The result of each key is shown for a moment. A time after the
-    key, such as 3s, shows it for three seconds. A run takes steps while such seconds pass. No clock is read,
-    so the same command always writes the same recording. An example:
+    key, such as 3s, shows the result for three seconds, in which the run continues. No clock is read, so the
+    same command always writes the same recording. An example:
 
     rl-tui record frozenlake --keys "s,s,space,10s,space,v,3s" --out lake.cast
     """

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 @click.argument("scenarios", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]...", nargs=-1, type=SCENARIO)
 @allow_module_option
 def command(scenarios: tuple[str, ...]) -> None:
-    """Compile all kernels into the cache, or those for some scenarios.
+    """Compile kernels in advance, so that runs start fast.
 
-    Kernels are the inner loops of learning. Runs then start without a wait: useful for container images, and
-    for classrooms that share a cache. All kernels take some minutes. The cache is the folder
-    RL_TUI_CACHE_DIR, or your platform's cache folder.
+    Kernels are the inner loops of learning. Without a scenario, all kernels are compiled, which takes some
+    minutes. This is useful for container images, and for classrooms that share a cache. The cache is the
+    folder RL_TUI_CACHE_DIR, or your platform's cache folder.
     """
     from rl_tui.agents.compiling.base_folder import refusals
     from rl_tui.agents.compiling.cache_folder import cache_folder

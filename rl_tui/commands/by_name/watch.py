@@ -51,7 +51,7 @@ def command(
     as_json: bool,
     **display: Any,
 ) -> None:
-    """Watch your own script or notebook learn, unchanged.
+    """Watch your own script or notebook while it learns.
 
     The script runs in its own process, and the keys of the screen pause and continue it. Unknown arguments,
     and all arguments after --, go to the script. With --json there is no screen: you get a report on the
@@ -68,9 +68,9 @@ def command(
         raise UserError("watch runs your own code: rl-tui serve does not allow this")
     refuse_without_posix()
     path = _path_of(script, example)
+    check_script(path)
     if not as_json:
         require_terminal("--json works without one")
-    check_script(path)
     request = ProgramRequest(path, arguments, seed=seed, steps=steps, table=table)
     if not as_json:
         from rl_tui.commands.line.screen import run_app

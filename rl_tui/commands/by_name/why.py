@@ -97,5 +97,5 @@ def _report(recipe: Recipe, answer: FirstUpdate, time_limit: int) -> str:
             )
             for remedy in answer.remedies
         ]
-        lines += ["", columns([("instead", "chance", "episodes: mean", "median"), *rows], right=(1, 2, 3))]
+        lines += ["", columns([("change", "chance", "episodes: mean", "median"), *rows], right=(1, 2, 3))]
     return "\n".join(lines)

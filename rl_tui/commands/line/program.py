@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from importlib import import_module
+from pathlib import Path
 from typing import Any, ClassVar, Final, cast
 
 import click
@@ -50,15 +51,15 @@ class Program(click.Group):
         """Find the command at the start of `args`, or suggest a near name or a key."""
         name = args[0]
         if name not in self.modules and not name.startswith("-"):
-            raise click.UsageError(f"unknown command {name!r}; {self._hint(name)}", ctx)
+            hint = self._hint(name)
+            raise click.UsageError(f"unknown command {name!r}{'; ' if hint else ''}{hint}", ctx)
         return super().resolve_command(ctx, args)
 
     def _hint(self, name: str) -> str:
         from rl_tui.commands.line.key_on_screen import key_on_screen
 
         near = get_close_matches(name, self.modules, n=1)
-        nearest = f"did you mean {near[0]}?" if near else f"to play a scenario: rl-tui play {name}"
-        return key_on_screen(name) or nearest
+        return key_on_screen(name) or (f"did you mean {near[0]}?" if near else _way_to_play(name))
 
     def main(  # type: ignore[override]
         self, args: Sequence[str] | None = None, *, standalone_mode: bool = True, **extra: Any
@@ -163,3 +164,15 @@ def _fail(message: str, status: int = FAILED) -> int:
 def _give_up_stdout() -> None:
     # The reader stopped, like `head`, or the disk is full
     lead_nowhere(sys.stdout.fileno())
+
+
+def _way_to_play(name: str) -> str:
+    from rl_tui.common.errors import UserError
+    from rl_tui.worlds.files.catalogue import find
+
+    try:
+        find(name)
+    except UserError:
+        is_session = name.endswith(".json") and Path(name).is_file()
+        return f"to continue a session: rl-tui play {name}" if is_session else ""
+    return f"to play a scenario: rl-tui play {name}"

@@ -13,7 +13,7 @@ from rl_tui.screen.app.display import Colours, Display
 
 _DEFAULT: Final = Display()
 _FPS: Final = Parameter(
-    "fps", "fps", "most frames per second; fewer for slow connections", Range(0, 60, open_low=True)
+    "fps", "fps", "maximum frames per second; fewer for slow connections", Range(0, 60, open_low=True)
 )
 _OPTIONS: Final = (
     click.option(
@@ -50,7 +50,7 @@ class PanelNames(OptionValue):
             return str(value)
         names = [name.strip() for name in str(value).split(",")]
         for finding in unknown_panels((), names):
-            self.fail(f"{finding.found} is not few, all or {finding.expected}", param, ctx)
+            self.fail(f'{finding.found} is not "few", "all" or {finding.expected}', param, ctx)
         return frozenset(names)
 
 

@@ -53,7 +53,7 @@ _OPTIONS: Final = (
     click.option(
         "--keys",
         default="",
-        help="keys to press, separated by commas; wait:N takes N steps of training, Ns lets N seconds pass",
+        help="keys to press, separated by commas; wait:N takes N steps of training, Ns waits N seconds",
     ),
     click.option("--watch", metavar="SCRIPT.py", help="watch your own script instead of a scenario"),
     click.option(
@@ -84,7 +84,9 @@ def chosen_start(values: Mapping[str, Any]) -> Iterator[Start]:
     overrides, seed = values["overrides"], values["seed"]
     if watch is not None and (scenario is not None or overrides or agent is not None):
         raise click.UsageError("a script has its own settings: leave out the options of a run", context)
-    if lesson is not None and (scenario is not None or overrides or seed or agent is not None or watch):
+    if lesson is not None and scenario is not None:
+        raise click.UsageError(f"a lesson has its own worlds: leave out {scenario}", context)
+    if lesson is not None and (overrides or seed or agent is not None or watch):
         raise click.UsageError("a lesson has its own runs: leave out the options of a run", context)
     if (lesson is not None and (values["big"] or values["panels"])) or (watch and values["panels"]):
         raise click.UsageError(

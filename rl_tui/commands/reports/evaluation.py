@@ -31,7 +31,9 @@ def evaluation(title: str, world: World, policy: FloatArray, answer: Mapping[str
         parts += ["likeliest actions"] if mixed else []
         parts += [policy_map(world, policy_names(space, chosen.astype(float))), ""]
     parts.append(columns(_summary(space.time_limit, answer)))
-    if answer["not_given"]:
+    if answer["not_given"] == np.count_nonzero(np.diff(space.first_pair)):
+        parts += ["", "The file has no action for any state: this is the random policy."]
+    elif answer["not_given"]:
         states = counted(answer["not_given"], "state")
         parts += ["", f"The file has no action for {states}: the policy is random there."]
     return "\n".join(parts)

@@ -13,7 +13,7 @@ from rl_tui.programs.grading.grade import GradedSubmission, Grading
 from rl_tui.programs.own_agents.loading import AgentName
 
 _MOST_ERRORS: Final = 3
-_HEAD: Final = ("submission", "", "share of best", "least", "return", "of best", "failed")
+_HEAD: Final = ("submission", "", "share of best", "least share", "return", "best return", "failed")
 
 
 def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:

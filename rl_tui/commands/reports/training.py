@@ -203,12 +203,12 @@ def _last_rows(figures: Figures) -> list[Row]:
 def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
     greedy, best = alike([figures["expected_return"], figures["optimal_value_at_start"]])
     share = "-" if spent.best_arm_rate is None else f"{spent.best_arm_rate:.1%} of the time"
-    winnings = f"{spent.winnings:,.1f} of {spent.best_possible:,.1f}"
+    possible = f"always the best arm: {spent.best_possible:,.1f} on average"
     return [
         ("greedy arm", _arms(figures["policy"][0]), "the best estimate"),
         ("its true mean", f"{greedy}, best {best}", "greedy arm, best arm"),
         ("best arm pulled", share, ""),
-        ("winnings", winnings, "of the best arm's average"),
+        ("winnings", f"{spent.winnings:,.1f}", possible),
         ("regret", f"{spent.regret:,.1f}", "lost by pulling other arms (true means)"),
         (TITLES["max_error"], number(figures["max_error"]), "max |Q - q*|"),
         (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),

@@ -145,8 +145,10 @@ class Ask(FileSection):
     def _has_one_answer(self) -> Ask:
         if (self.answer is None) != bool(self.choices):
             raise refused("both or neither of answer and choices", "a number as answer, or choices")
-        if self.choices and (len(self.choices) < 2 or not any(choice.right for choice in self.choices)):
-            raise refused(f"{len(self.choices)} choices", "two or more, one of them with right = true")
+        if len(self.choices) == 1:
+            raise refused("1 choice", "two or more")
+        if self.choices and not any(choice.right for choice in self.choices):
+            raise refused("no choice with right = true", "a right choice")
         if self.shows is not None and not self.steps:
             raise refused("shows without steps", "steps: the number of steps until it is measured")
         if self.keys and not self.steps:

@@ -153,15 +153,15 @@ def _document(path: Path, content: bytes) -> Document:
 
     fields = _fields(path, content, FORMAT)
     if fields.get("format") != FORMAT:
-        raise SessionError(path, "is not a session; choose a file that rl-tui saved")
+        raise SessionError(path, "not a session; choose a file that rl-tui saved")
     version = fields.get("version")
     if isinstance(version, int) and version > VERSION:
         raise SessionError(
-            path, f"was saved by a newer rl-tui (file format {version}, not {VERSION}); update rl-tui"
+            path, f"saved by a newer rl-tui (file format {version}, not {VERSION}); update rl-tui"
         )
     checksum = fields.pop(_CHECKSUM, None)
     if checksum != checksum_of(fields):
-        raise SessionError(path, "was damaged or edited (wrong checksum); open an earlier copy")
+        raise SessionError(path, "damaged or edited (wrong checksum); open an earlier copy")
     try:
         document = Document.model_validate(fields)
         if not 1970 <= datetime.fromisoformat(document.saved).year < 9000:
@@ -169,9 +169,9 @@ def _document(path: Path, content: bytes) -> Document:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = place(first["loc"]) or "the document"
-        raise SessionError(path, f"is not a valid session: {where}: {_reason(first)}") from error
+        raise SessionError(path, f"not a valid session: {where}: {_reason(first)}") from error
     except ValueError as error:
-        raise SessionError(path, f"is not a valid session: saved: {error}") from error
+        raise SessionError(path, f"not a valid session: saved: {error}") from error
     return document
 
 
@@ -184,15 +184,15 @@ def _reason(error: ErrorDetails) -> str:
 def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
     """Parse the object in `content`; `mark` distinguishes a truncated session from another file."""
     if not content:
-        raise SessionError(path, "is empty; open an earlier copy")
+        raise SessionError(path, "the file is empty; open an earlier copy")
     try:
         fields = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
         if mark.encode() in content[:100]:
-            raise SessionError(path, "is incomplete or damaged; open an earlier copy") from error
-        raise SessionError(path, "is not JSON, so it is not a session of rl-tui") from error
+            raise SessionError(path, "incomplete or damaged; open an earlier copy") from error
+        raise SessionError(path, "not JSON, so not a session of rl-tui") from error
     if not isinstance(fields, dict):
-        raise SessionError(path, "is not a session; choose a file that rl-tui saved")
+        raise SessionError(path, "not a session; choose a file that rl-tui saved")
     return fields
 
 

@@ -289,11 +289,11 @@ class Grading:
     def _q_of_script(self, log: ProgramLog) -> FloatArray:
         environment = environment_of(log)
         if environment is None:
-            raise UserError("it did not create an environment that can be watched")
+            raise UserError("the script created no environment that can be watched")
         known, id_ = world_of_program(environment), self.recipe.scenario.id
         if not _is_same(known.world.mdp, self.mdp):
             raise UserError(
-                f"it learns in {_as_made(environment)}, whose transitions differ from those of {id_}"
+                f"the script learns in {_as_made(environment)}, whose transitions differ from those of {id_}"
             )
         if log.recording.initial is None:
             raise UserError(_NO_TABLE)

@@ -10,7 +10,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.words import counted
 
 NOTHING_IN_THE_WAY: Final = "no obstacle: the first episode already changes an estimate"
-CHANCE_OF: Final = "the first update has a chance of "
+CHANCE_OF: Final = "the first update has probability "
 _WHOLE_FROM: Final = 1_000
 _SHORT_FROM: Final = 10**12
 Writer = Callable[[float], str]
@@ -37,10 +37,10 @@ def wait_in_words(wait: Wait, in_words: Writer = number_in_words) -> str:
         return "no episode ever changes an estimate"
     chance = f"{CHANCE_OF}{in_words(wait.chance)} per episode"
     if wait.mean_episodes is None:
-        return f"{chance}; without it an episode may never end, so no mean wait exists"
+        return f"{chance}; an episode without it may never end, so there is no mean wait"
     assert wait.median_episodes is not None
     mean, median = map(episodes_in_words, (wait.mean_episodes, wait.median_episodes))
-    return f"{chance}: {mean} episodes on average, {median} or fewer in half of all runs"
+    return f"{chance}: it takes {mean} episodes on average, {median} or fewer in half of all runs"
 
 
 def cause_in_words(

@@ -155,7 +155,7 @@ def watch_door() -> Door:
     """Return the demonstration's door."""
     return Door(
         "Watch it learn",
-        "An agent learns to cross a lake, slowly. Just watch.",
+        "See an agent slowly learn to cross a lake.",
         "space pauses",
         brief="Watch",
     )
@@ -226,8 +226,8 @@ def own_code_page(scripts: Sequence[Path], glyphs: Glyphs) -> Choice:
         ("rl-tui play frozenlake --agent my_agent.py", "Watch that agent learn."),
     ]
     candidates = [Candidate(command, command, (what,)) for command, what in commands]
-    question = "Type these in a shell. Your code runs with all your rights: there is no sandbox."
-    return Choice("Your own code", candidates, "", glyphs, question)
+    question = "Type a command in a shell. Your code runs with all your rights: there is no sandbox."
+    return Choice("Your own code", candidates, "", glyphs, question, does="close, but show it")
 
 
 # A new world

@@ -129,8 +129,8 @@ def sizes(world: World | UserError | None) -> str:
     if world.budget is not None:
         parts.append(f"budget {world.budget:,}")
     if mdp.time_limit > 1:
-        parts.append(f"{mdp.time_limit:,} steps at most")
-    return _DOT.join([*parts, counted(mdp.pairs, "pair")])
+        parts.append(f"{mdp.time_limit:,} steps max")
+    return _DOT.join([*parts, counted(mdp.pairs, "state–action pair")])
 
 
 def defaults(values: Mapping[str, object]) -> str:

@@ -24,6 +24,7 @@ from rl_tui.screen.theme.glyphs import UNICODE, Glyphs
 ABOUT_ROWS: Final = 3
 CURRENT: Final = " (current)"
 NOT_HERE: Final = "not here: "
+_UNAVAILABLE: Final = "not available"
 _MOVE: Final = "↑ ↓ or a number: choose"
 _CLOSE: Final = "esc: close"
 _WIDE: Final = "   "
@@ -205,7 +206,7 @@ class Form(Dialog[Any]):
         if candidate.refused:
             reason = self._spelled(f"{NOT_HERE}{candidate.refused}")
             is_whole = sum(self._columns[:1]) + _GAP + cell_len(reason) <= room
-            cells[1:] = [reason if is_whole else NOT_HERE.rstrip(": ")]
+            cells[1:] = [reason if is_whole else _UNAVAILABLE]
         elif len(self._columns) <= 1 or not candidate.value:
             cells[1:] = [text for text in cells[1:] if text]
         for place, width in enumerate(self._columns[: len(cells) - 1]):

@@ -245,13 +245,12 @@ class UntilChoice(Form):
     def _switch(self, snapshot: Snapshot, glyphs: Glyphs) -> Candidate:
         place = self._place
         if place is None:
-            return Candidate(_SWITCH, "the cell under the cursor is reached", refused="no cell is chosen")
+            return Candidate(_SWITCH, "breakpoint at the cursor", refused="no cell is chosen")
         one = Breakpoints().toggled(state=place.state, pair=place.pair)
         (name,) = breakpoint_names(snapshot.world, one, glyphs)
-        event = "is reached" if place.pair is None else "is chosen"
         is_set = "on" if place in self._breakpoints.values() else "off"
-        about = "A breakpoint: the run pauses here each time. Choose it again to remove it."
-        return Candidate(_SWITCH, f"{name} {event}: breakpoint {is_set}", (about,))
+        about = "The run pauses here each time. enter sets or removes the breakpoint."
+        return Candidate(_SWITCH, f"breakpoint at {name}: {is_set}", (about,))
 
 
 _SWITCH: Final = "switch"

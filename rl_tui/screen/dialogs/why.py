@@ -35,11 +35,11 @@ _COLUMNS: Final = (13, 11, 16, 9)  # remedy, chance, mean and median
 EXACT: Final = "w h"
 _SECRET: Final = f"Hidden: it would reveal the arms. {EXACT} shows both."
 _KEPT: Final = f"Hidden: it would reveal the arms ({ANSWER_KEPT})."
-_IS_OVER: Final = "The wait is over: an estimate has changed."
+_IS_OVER: Final = "The agent has begun to learn: an estimate has changed."
 _STARTS_AGAIN: Final = "the run starts again with it"
 _CHANGES: Final = "enter: change   "
 _CLOSES: Final = "esc: close"
-_HEAD: Final = ("instead", "chance", "episodes: mean", "median")
+_HEAD: Final = ("change", "chance", "episodes: mean", "median")
 
 
 class Why(Dialog[Remedy]):

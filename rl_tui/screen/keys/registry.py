@@ -24,7 +24,7 @@ _LIST_ACTIONS: Final[tuple[Action, ...]] = (
             place=Place.CATALOGUE,
             command=f"door({number})",
             rank=2 if number == 4 else None,
-            hint=("1 2 3 4", "cards") if number == 4 else None,
+            hint=("1 2 3 4", "top row") if number == 4 else None,
             for_the_owner=number == 4,
         )
         for number, label, help_ in (

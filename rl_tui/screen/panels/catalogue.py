@@ -74,8 +74,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Q",
         "One row per state, one column per action, in the colours of the world. A frame marks the greedy "
         "action. ▐ marks the last update: ▴ the estimate rose, ▾ it fell. A dot means never tried. v shows "
-        "the exact Q*, the error Q−Q* and visits. <.01 and 0⁺ are "
-        "almost 0.",
+        "the exact Q*, the error Q−Q* and visits. ‹ and › mark values outside the scale. <.01 and "
+        "0⁺ are almost 0.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
@@ -84,10 +84,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
-        "Filled: the mean return of the last episodes. Solid line: the greedy policy's exact return, "
-        "with a gap if it may never end. Dashed line: the optimal return for this γ. ▾ and ▴ mark values "
-        "outside the axis. If all returns are equal, the chart shows steps. With one action per state, it "
-        "shows the error of V.",
+        "Filled: mean return of the last ten episodes, more in long runs. Solid: the greedy policy's "
+        "exact return, with a gap if that policy may never end. Dashed: the optimal return, or a policy of "
+        "t p. ▾ ▴: values outside the axis. If all returns are equal, the chart shows steps, with one action "
+        "per state the error of V.",
         caption="what each episode has earned",
         terms=(
             *("return", "episode", "greedy", "last-100", "gamma-best"),
@@ -153,7 +153,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "One step: the action, its result, and the update in numbers. The heading shows how the action was "
         "chosen. The bar compares δ, the TD error, with the range of all estimates. It points to the left "
         "if δ is negative. If a step changes many estimates, the panel shows one and counts the others.",
-        caption="one turn of the loop",
+        caption="action, result and update",
         terms=(
             *("td-error", "target", "bootstrap", "alpha", "gamma"),
             *("reward", "terminal", "truncated", "lambda"),
@@ -176,8 +176,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Microscope",
         "The last step in detail. Highlighted numbers belong to the updated cell. Underlined numbers were "
         "read from Q. The backup diagram shows all possible outcomes of the action, and ▸ marks the real "
-        "one. Their mean is the expected target. It differs from the sampled target by luck. Below is the "
-        "history of the chosen cell, or of the updated one.",
+        "one. Their mean is the expected target. The sampled target differs by luck. The history below is "
+        "of the cell under the cursor, else of the updated cell.",
         caption="the last step in detail",
         terms=(
             *("backup", "bellman", "target", "td-error"),
@@ -239,9 +239,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Policies",
         "The exact return of each policy: random, greedy, agent, optimal, and your own (w p). The column "
         "return is undiscounted and within the time limit. The column at start is the discounted value "
-        "of the start state. "
-        "World and curve show the policy under the cursor. enter keeps this policy and closes the panel. "
-        "esc goes back to the agent.",
+        "of the start. "
+        "World and curve show the policy under the cursor. enter closes the panel but keeps showing that "
+        "policy. The agent does not use it.",
         caption="exact return of each policy",
         terms=(
             *("policy-value", "policy-return", "exploring-cost", "behaviour", "greedy", "uniform-policy"),
@@ -273,10 +273,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.FINDINGS,
         "rl_tui.screen.panels.program.findings:FindingsPanel",
         "Findings",
-        "Problems of your program, the worst first, each with evidence, its line (▸) and a correction. A "
-        "bug needs at least three steps that prove it, and none that contradicts it. Declared: the proof "
-        "uses a value read from your code. Risk: bad luck can break this code. enter goes to the first step "
-        "that shows the problem.",
+        "Problems of your program, the worst first, each with evidence, its line (▸) and a correction. At "
+        "least three steps prove a bug, and none contradicts it. Declared: the proof uses a value read from "
+        "your code. Risk: your code has learned nothing, but a random agent would have. enter goes to the "
+        "first step that shows the problem.",
         caption="what is wrong, and where",
         terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
         opened_by=OpeningKey("a f", "findings", "Show what is wrong with your program.", old="F"),

@@ -76,11 +76,11 @@ def check_schema(database: sqlite3.Connection, name: str) -> None:
     found, expected = _objects(database), _expected()
     meta = next(each for each in expected if each[1] == "meta" and each[0] == "table")
     if meta not in found:
-        raise UserError(f"{name}: is damaged (the table meta is missing); use a copy, or a new file")
+        raise UserError(f"{name}: damaged (the table meta is missing); use a copy, or a new file")
     said = database.execute("SELECT value FROM meta WHERE name = 'format'").fetchone()
     if said is None or not (isinstance(said[0], str) and _NUMBER.fullmatch(said[0])):
         what = "is missing" if said is None else f"is {shown(said[0])}"
-        raise UserError(f"{name}: is damaged (the format in table meta {what}); use a copy, or a new file")
+        raise UserError(f"{name}: damaged (the format in table meta {what}); use a copy, or a new file")
     if int(said[0]) != FORMAT:
         older = "a newer" if int(said[0]) > FORMAT else "an older"
         raise UserError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
@@ -106,8 +107,11 @@ def find(name_or_path: str) -> Scenario:
     names = [scenario.id for scenario in scenarios()]
     near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
     hint = f"did you mean {', '.join(near)}?" if near else f"choose from {', '.join(names)}"
-    if "." in name_or_path and not in_kiosk():
+    if not in_kiosk() and re.search(r"[.:]|-v\d+$", name_or_path):
         hint = f"expected a name from rl-tui list, FILE{SUFFIX}, or {PREFIX}ENV_ID"
+        module, colon, _ = name_or_path.partition(":")
+        if colon:
+            hint = f"for an environment, write {PREFIX}{name_or_path} and add --allow-module {module}"
     raise UserError(f"there is no scenario {shown(name_or_path)}: {hint}")
 
 

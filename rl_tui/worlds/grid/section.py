@@ -145,9 +145,9 @@ def _form_findings(text: str) -> Iterator[Finding]:
         return
     odd = [index for index, line in enumerate(lines) if len(line) != len(lines[0])]
     if odd:
-        others = f" ({counted(len(odd) - 1, 'more line')} of another length)" if len(odd) > 1 else ""
-        found = f"line {odd[0] + 1} has the length {len(lines[odd[0]])}{others}"
-        yield Finding(("map",), f"{found}; make every line as long as line 1, {len(lines[0])}")
+        more = f" ({counted(len(odd) - 1, 'more line')} of another length)" if len(odd) > 1 else ""
+        found = f"line {odd[0] + 1} has {counted(len(lines[odd[0]]), 'character')}"
+        yield Finding(("map",), f"{found}, line 1 has {len(lines[0])}{more}; make all equally long")
 
 
 def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:

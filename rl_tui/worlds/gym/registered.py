@@ -56,8 +56,8 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     name = registered_id(name)
     if name not in gymnasium.registry:
         known = (id_ for id_, spec in gymnasium.registry.items() if _may_serve(id_, spec.entry_point))
-        expected = f"the id of a registered environment{near(name, known)}"
-        raise WorldRefusedError(("id",), shown(name), expected)
+        found = f"no environment is registered as {shown(name)}; choose another{near(name, known)}"
+        raise WorldRefusedError(("id",), found)
     if size_of(kwargs) > LARGEST_ARGUMENTS:
         expected = f"at most {LARGEST_ARGUMENTS:,} characters and values in total"
         raise WorldRefusedError(("kwargs",), f"{size_of(kwargs):,} characters and values", expected)
@@ -74,7 +74,7 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
             raise
         reason = reason_of(error)
         if kwargs:
-            found = f"{name} refuses these arguments ({reason}); give arguments that it accepts"
+            found = f"{name} cannot be created with these arguments ({reason}); correct them"
             raise WorldRefusedError(("kwargs",), found) from error
         found = f"{name} cannot be created here ({reason}); choose another environment"
         raise WorldRefusedError(("id",), found) from error

@@ -66,7 +66,7 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Grade an agent, a script or a folder of them; or sessions of a LESSON.
+    """Grade agents, scripts, or sessions of a lesson.
 
     A submission is graded by the exact return of its greedy policy, with ties shared evenly. Its share of the
     best is 1 - (best - return) / stake: 1 for the best policy, less for lower returns. The stake is the sum

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 def command(
     lesson: str | None, variant: int | None, again: bool, is_list: bool, as_json: bool, **display: Any
 ) -> None:
-    """Learn step by step: lessons ask you to predict, and check what you do.
+    """Learn step by step, with lessons that check what you do.
 
     Without a name you get the list of lessons. A lesson continues where you left it. A finished one opens at
     its first page, as a reference. FILE.toml is a lesson in your own file.
@@ -56,13 +56,14 @@ def command(
     from rl_tui.commands.line.screen import require_terminal, run_app
 
     enter_kiosk("learn")
+    start = None if lesson is None else _start_of(lesson, variant, again=again)
     require_terminal("rl-tui learn --list works without one")
-    if lesson is None:
+    if start is None:
         from rl_tui.screen.keys.action import Place
 
         run_app(display_of(display), Place.LESSONS)
         return
-    run_app(display_of(display), _start_of(lesson, variant, again=again))
+    run_app(display_of(display), start)
 
 
 def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | StoredSession:

@@ -25,9 +25,10 @@ from rl_tui.common.findings import shown
 @seed_option
 @display_options
 def command(scenario: str | None, overrides: dict[str, object], seed: int, **display: Any) -> None:
-    """Draw a world while an agent learns in it; w s saves it as a scenario file.
+    """Draw a world while an agent learns in it.
 
-    Without a name you start with a blank map. You can draw maps, graphs, bandits, lakes and the cliff.
+    The keys w s save the world as a scenario file. Without a name you start with a blank map. You can draw
+    maps, graphs, bandits, lakes and the cliff.
     """
     from rl_tui.commands.line.screen import require_terminal, run_app
     from rl_tui.common.errors import UserError
@@ -38,10 +39,10 @@ def command(scenario: str | None, overrides: dict[str, object], seed: int, **dis
     from rl_tui.worlds.editing.templates import BLANK
     from rl_tui.worlds.files.shipped import SUFFIX
 
-    require_terminal()
     if scenario is not None and scenario.endswith(SUFFIX) and not Path(scenario).exists():
         raise UserError(f"{shown(scenario)}: no such file; rl-tui new creates one")
     found = new_world(BLANK[0]) if scenario is None else find(scenario)
     if reason := refusal(found, seed):
         raise UserError(f"{found.id}: {reason}")
+    require_terminal()
     run_app(display_of(display), DrawingStart(recipe_for(found, overrides, seed)))

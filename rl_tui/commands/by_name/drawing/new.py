@@ -24,7 +24,7 @@ from rl_tui.common.findings import command_line, shown
 def command(name: str, template: str, seed: int, rows: int | None, columns: int | None) -> None:
     """Write a new scenario, NAME.toml, into the current folder.
 
-    Existing files are never overwritten. Next, draw in the new file with rl-tui edit, and check it.
+    Existing files are never overwritten. Next, edit the new world with rl-tui edit, and check it.
     """
     from rl_tui.common.errors import UserError
     from rl_tui.common.files import new_path, write_new
@@ -36,7 +36,7 @@ def command(name: str, template: str, seed: int, rows: int | None, columns: int 
         raise UserError(f"{shown(name)}: expected a name such as my-maze, which becomes my-maze{SUFFIX}")
     path = new_path(f"{stem}{SUFFIX}")
     write_new(path, named(template_text(template, seed, rows, columns), stem))
-    complain(f"{path} is written")
+    complain(f"Wrote {path}. Edit the world, then check it:")
     argument = command_line([f"./{path}" if stem.startswith("-") else str(path)])
     click.echo(f"rl-tui edit {argument}")
     click.echo(f"rl-tui check --deep {argument}")

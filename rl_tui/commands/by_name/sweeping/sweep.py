@@ -81,7 +81,7 @@ class ShardValue(OptionValue):
         found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", str(value), re.ASCII)
         number, count = (int(found[1]), int(found[2])) if found else (0, 0)
         if not 1 <= number <= count <= MOST_SHARDS:
-            self.fail(f"{value} is not I/N, part I of N, such as 1/3", param, ctx)
+            self.fail(f"{value} is not a part I/N, with I from 1 to N, such as 1/3", param, ctx)
         return Shard(number, count)
 
 
@@ -190,7 +190,11 @@ class SweepCommand(SectionedCommand):
     "--shard", type=ShardValue(), help="train only part I of N, while other machines train the rest"
 )
 @click.option(
-    "--measure", type=MeasureValue(), help="metric to compare by, such as area (mean return of all episodes)"
+    "--measure",
+    type=MeasureValue(),
+    help="metric that compares settings: area (mean return of all episodes), arrival (episodes until almost "
+    "as good as the best), expected_return, value_at_start, max_error, regret, steps, episodes, "
+    "return_last_100",
 )
 @click.option("--no-again", is_flag=True, help="do not train the best combination again with fresh seeds")
 @target_option("--csv", "one row per run: settings, seed and metrics")
@@ -215,10 +219,10 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Train every combination of settings under the same seeds, and find the best.
+    """Train all combinations of settings, and find the best.
 
-    With a store, an interrupted sweep continues where it stopped, and a larger sweep trains only the new
-    runs. An example:
+    All train under the same seeds. With a store, an interrupted sweep continues where it stopped, and a
+    larger sweep trains only the new runs. An example:
 
     rl-tui sweep cliff --vary alpha=0.05:1:20 --vary algorithm=q-learning,sarsa --store cliff.sqlite
 

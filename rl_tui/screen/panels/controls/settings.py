@@ -68,7 +68,7 @@ def settings_of(snapshot: Snapshot) -> Iterator[Setting]:
         yield Setting("", "α now", f"{alpha:.3f}", "", 8)
     if "epsilon_decay" in parameters and epsilon_moves(values):
         yield Setting("", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
-    yield Setting("a", "change", "", "menus.open('a')", 2)
+    yield Setting("a:", "change", "", "menus.open('a')", 2)
 
 
 def alpha_moves(values: Hyperparameters) -> bool:

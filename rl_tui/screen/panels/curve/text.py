@@ -43,7 +43,7 @@ GREEDY: Final = "greedy"
 AGENT: Final = "agent"
 OPTIMAL: Final = "optimal"
 BEST_ARM: Final = ("best arm", "best")
-TIES: Final = "ties"
+TIES: Final = "tied"
 NO_END: Final = "no end"
 
 HIDDEN_ARMS: Final = ("w h: show the best arm", "w h: best arm")

@@ -198,7 +198,7 @@ class Policies(Panel, can_focus=True):
 
 OF_MEANS_NOW: Final = "of the current means"
 NEVER_FROM_THERE: Final = f"no colour: it {MAY_NEVER_END} from there"
-WITHOUT_LIMIT: Final = "without the limit"
+WITHOUT_LIMIT: Final = "no time limit"
 AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
 THAN_OPTIMAL: Final = "than optimal"
 _NO_ENDING: Final = 0.9995  # probabilities from here on are written as 100 %
@@ -224,9 +224,9 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
     limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
     within, as_if = (f"within {limit:,} steps", f", {WITHOUT_LIMIT}") if limit else ("of an episode", "")
     yield f"return: mean {within}"
-    yield f"at start: V, γ {numbers.brief(gamma, look.glyphs)}{as_if}"
+    yield f"at start: V for γ {numbers.brief(gamma, look.glyphs)}{as_if}"
     if may_not_end(known_answers(snapshot)):
-        yield "ending: how likely an episode ends"
+        yield "ending: chance that an episode ends"
 
 
 def amount(x: float, look: Look, width: int = WIDEST) -> str:
@@ -273,14 +273,14 @@ def _exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
         rate = f" (ε {setting(epsilon, look.glyphs)})"
     if abs(cost) < numbers.NEGLIGIBLE:
         return f"exploring{rate} costs nothing"
-    verb = "costs" if cost > 0.0 else "brings"
+    verb = "costs" if cost > 0.0 else "gains"
     return f"exploring{rate} {verb} {amount(abs(cost), look)} {what}"
 
 
 def _reasons(snapshot: Snapshot) -> Iterator[str]:
     said = set[str]()
     if not snapshot.answers.drawn.choices and answer_of(snapshot, PolicyKind.DRAWN).is_known:
-        yield "drawn: random until w p draws it"
+        yield "drawn: random until you draw it (w p)"
     for kind, name in POLICY_NAMES.items():
         answer = answer_of(snapshot, kind)
         if is_kept_back(snapshot, kind):

@@ -128,4 +128,4 @@ class PolicyActions(Subject):
         self._is_kept = True
         self.board.close()
         name = policy_name(self._current)
-        self.screen.tell(f"Kept: {name}. v shows Qπ, t p and esc end this.")
+        self.screen.tell(f"Shown: {name}. v: its Qπ. t p, then esc: stop.")
