@@ -74,8 +74,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Q",
         "One row per state, one column per action, in the colours of the world. A frame marks the greedy "
         "action. ▐ marks the last update: ▴ the estimate rose, ▾ it fell. A dot means never tried. v shows "
-        "the exact Q*, the error Q−Q* and visits. ‹ and › mark values outside the scale. <.01 and "
-        "0⁺ are almost 0.",
+        "the exact Q*, the error Q−Q*, visits and the landscape. ‹ › mark values outside the scale. <.01 "
+        "and 0⁺ are almost 0.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
