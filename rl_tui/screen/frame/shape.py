@@ -103,6 +103,7 @@ _LOW: Final = {1: (1, 7), 2: (3, 8)}  # rows of a cell: its least and most colum
 _ODD_FROM: Final = 5  # columns: an odd number has a middle
 _HUGE: Final = Size(80, 40)  # cells: a larger map scrolls at a readable size
 _READABLE: Final = 3  # columns
+_LEAST_WITH_LETTERS: Final = 2
 
 
 def cell_size(
@@ -142,6 +143,8 @@ def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fil
         fits = bare.width * grid.columns <= width and bare.height * grid.rows <= height
         if (fits and height < LEAST_WITH_TITLES) or bare.width > cell.width:
             cell, left, above = bare, 0, 0
+        if grid.legend and cell.width < _LEAST_WITH_LETTERS:  # a part of its maps tells more than all tints
+            cell = cell._replace(width=_LEAST_WITH_LETTERS)
     return MapSize(
         cell,
         Size(
