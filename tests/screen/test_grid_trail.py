@@ -108,7 +108,7 @@ def test_the_cell_of_the_updated_pair_has_a_frame_in_the_colour_of_its_error(ros
     view, palette = GridView(snapshot.world, look()), look().palette
     rows = view.picture(snapshot, 56, 12)
     apart, framed = [" ▕", " ▕", "▁▕"], ["▌▐"] * 3
-    assert [row.text[0] + row.text[13] for row in rows] == [*apart, *framed, *apart, *apart]
+    assert [row.text[0] + row.text[13] for row in rows] == [*apart, *framed, *apart, *[" ▕"] * 3]
     style = style_at(rows[4], 0)
     assert style is not None
     assert style.color == (palette.good if rose else palette.bad).color

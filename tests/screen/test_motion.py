@@ -163,7 +163,7 @@ def test_the_frame_fades_in_three_steps_and_stays_pale(bootstrap: float, role: s
 def test_an_arrow_that_turned_is_yours_for_four_ticks() -> None:
     before = learned(s9=0.4)
     turns = after(before, 9, RIGHT, 10, bootstrap=2.0)
-    motion, ink = moved(before, turns), look().palette.focus.color
+    motion, ink = moved(before, turns), look().palette.you.color
     seen = [arrow(drawn(turns, motion, tick), 9) == ink for tick in range(LAST + 1)]
     assert seen == [False] * 3 + [True] * 4 + [False] * 3
     stays = after(before, 9, DOWN, 13, bootstrap=2.0)

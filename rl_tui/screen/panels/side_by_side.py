@@ -79,7 +79,7 @@ class GreedyDifferences:
             f"{DIFFERS} greedy actions differ in {count} states{seen}",
             f"{DIFFERS} greedy differs in {count} states{seen}",
             f"{DIFFERS} differs in {count} states{seen}",
-            f"{DIFFERS} in {count}{seen}",
+            f"{DIFFERS} differs in {count}{seen}",
         )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache, partial
-from operator import itemgetter
 from typing import Final, NamedTuple
 
 from rich.segment import Segment
@@ -45,6 +44,7 @@ _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used
 _MOST_KEPT: Final = 20_000
 _LEAST_ARROW: Final = 2  # columns and rows of a block arrow
 _LEAST_FRAMED: Final = (4, 2)  # columns and rows of a cell
+_LEAST_APART: Final = 4  # columns of a cell whose signs do not touch
 _START_WORD: Final = "start"
 _CORNER: Final = 3  # columns of the agent in a corner
 _WITH_PLATE: Final = 7  # columns of a cell whose agent has a plate
@@ -253,9 +253,12 @@ class _Cell:
         if colour is not None and self.glyphs.braille and has_frame:
             put_frame(self.canvas, colour, self.look)
         elif colour is not None and (form.has_values or self.extra.trace.is_next):
+            palette = self.look.palette
+            is_coloured = palette.has_shades and self.glyphs.braille
+            lit = Style(color=palette.page.color, bgcolor=colour.color) if is_coloured else _REVERSE
             for x in range(form.inner):
-                if not self.canvas.is_blank(x, form.value_row, 1):  # in reverse it has the colour of the page
-                    self.canvas.restyle(x, form.value_row, 1, _REVERSE)
+                if not self.canvas.is_blank(x, form.value_row, 1):
+                    self.canvas.restyle(x, form.value_row, 1, lit)
 
     # Signs and values
 
@@ -312,7 +315,9 @@ class _Cell:
     def _put_blocks(self, top: int) -> bool:
         """Put the greedy directions side by side, smaller below or beside the agent."""
         form, count, rows = self.form, len(self.face.greedy), self.form.arrow_rows
-        directions = sorted((each for each in self.face.greedy if isinstance(each, tuple)), key=itemgetter(1))
+        directions = sorted(
+            (each for each in self.face.greedy if isinstance(each, tuple)), key=lambda each: each[1]
+        )
         free = self._agent_end(top)
         if free == _CORNER:
             free += 1  # both may be black
@@ -334,11 +339,12 @@ class _Cell:
 
     def _put_rose(self) -> bool:
         """Put letters around a centre, in three rows above the number."""
-        form, greedy, top = self.form, self.face.greedy, min(1, self.form.value_row - 3)
+        form, top = self.form, min(1, self.form.value_row - 3)
+        ways = [each for each in self.face.greedy if isinstance(each, tuple)]
         middle = max((form.inner - 1) // 2, self._agent_end(top) + 2)
-        if top < 0 or middle + 2 >= form.inner or any(isinstance(each, str) for each in greedy):
+        if top < 0 or middle + 2 >= form.inner or len(ways) < len(self.face.greedy):
             return False
-        for down, right in greedy:
+        for down, right in ways:
             text = sign_text((down, right), self.look)
             self.canvas.put(middle + 2 * right, top + 1 + down, text, self._sign_ink)
         return True
@@ -411,7 +417,7 @@ class _Cell:
             self._put_mark(max(0, before))
         is_free = face.differs and self.canvas.is_blank(0, 0, 1) and start > 0
         if is_free:
-            self.canvas.put(0, 0, self.glyphs.differs, self.look.palette.text)
+            self.canvas.put(0, 0, self.glyphs.differs, self.ink)
         ink = paled(self.ink, 0.3) if is_dot else self._sign_ink
         self.canvas.put(start, 0, letters, differing_style(ink) if face.differs and not is_free else ink)
 
@@ -472,8 +478,9 @@ class _Cell:
         if form.says_start and canvas.is_blank(x - 1, 0, len(_START_WORD) + 1):
             canvas.put(x, 0, _START_WORD, style)
             return
-        for x, y, beside in ((before_trail, 0, -1), (left, 0, 1), (last, form.value_row, -1), (last, 0, -1)):
-            if canvas.is_blank(min(x, x + beside), y, 2):
+        free = ((before_trail, 0, -1), (left, 0, 1), (last, form.value_row, -1), (last, 0, -1), (0, 0, 0))
+        for x, y, beside in free if form.width < _LEAST_APART else free[:-1]:
+            if canvas.is_blank(min(x, x + beside), y, 1 + abs(beside)):
                 canvas.put(x, y, START, style)
                 return
 
@@ -489,7 +496,7 @@ class _Cell:
         last, bottom = self.form.inner - 1, self.form.height - 1
         for place in ((left, 0), (last, 0), (0, bottom), (last, bottom)):
             if self.canvas.is_blank(*place, 1):
-                self.canvas.put(*place, self.glyphs.differs, self.look.palette.text)
+                self.canvas.put(*place, self.glyphs.differs, self.ink)
                 return
 
     def _put_agent(self) -> None:

@@ -114,7 +114,7 @@ class CellForm(NamedTuple):
         """The characters of a value."""
         if self.height == 1:
             return self.least_digits if self.width < 8 else 4
-        return 6 if self.width >= 12 else min(4, self.width - 1)
+        return 6 if self.width >= 12 else max(LEAST_DIGITS, min(4, self.width - 1))
 
 
 def digits_needed(least: float) -> int:
@@ -139,4 +139,4 @@ def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LE
 
 
 def _least_width(height: int, digits: int) -> int:
-    return digits + (_WITH_DIGITS if height == 1 else 1)
+    return digits + (_WITH_DIGITS if height == 1 else digits > LEAST_DIGITS)

@@ -358,7 +358,7 @@ class WorldView(DrawnPicture, can_focus=True):
         # of two runs, one shows scale and legend: below both maps, else the one with fewer words
         tells = not self.lane or self.has_note is self._is_named_beside
         signs = self.legend(snapshot) if self.is_explained and tells else ()
-        if self.note:
+        if self.lane:  # the note of one of two runs explains it
             signs = tuple(sign for sign in signs if sign.sign.strip() != self.look.glyphs.differs)
         scale = self.named_scale if tells else None
         line = scale_line(tuple(said), scale, signs, width - self._taken, self.look)
