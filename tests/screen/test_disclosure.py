@@ -182,7 +182,7 @@ async def test_in_a_lesson_the_page_is_the_caption_and_turning_it_ends_the_view(
 
 
 async def test_the_key_line_names_few_keys_until_a_run_has_paused_after_an_episode(tmp_path: Path) -> None:
-    first = "space run     s step   b back   / find   ? keys"
+    first = "space run   s step   b back   / find" + 36 * " " + "? keys"
     async with on_screen(app_at(recipe_for(find("student")), sessions=tmp_path)) as pilot:
         await press(pilot, "s")
         assert text_of(pilot, 23) == first

@@ -41,9 +41,9 @@ def test_the_short_and_the_long_form() -> None:
     for part in ("38 M/s", "▶ max", "ep  12,346"):
         assert part in text
     text = running(120)
-    assert text.startswith("  FrozenLake 4×4 slippery  Q-learning · ε-greedy  ")
+    assert text.startswith(" FrozenLake 4×4 slippery  Q-learning · ε-greedy  ")
     assert "  38.2 M steps/s  " in text
-    assert text.endswith("episode  12,346  step    151,002  ")
+    assert text.endswith("episode  12,346  step    151,002 ")
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])
@@ -179,7 +179,7 @@ def test_it_fits_any_width(phase: Phase) -> None:
 def test_ascii() -> None:
     text = drawn(lake(), 120, ascii=True)
     assert text.isascii()
-    assert text.startswith("  FrozenLake 4x4 slippery  Q-learning  ")
+    assert text.startswith(" FrozenLake 4x4 slippery  Q-learning - epsilon-greedy  ")
 
 
 def test_the_episode_is_the_one_that_the_agent_is_in() -> None:
@@ -242,7 +242,7 @@ def test_a_branch_is_named_where_there_are_several() -> None:
     starts = {110: "branch 2", 120: "Q-learning · branch 2", 140: "Q-learning · ε-greedy · branch 2"}
     for width, details in starts.items():
         text = drawn(lake(timeline=past(branches=2)), width)
-        assert text.startswith(f"  FrozenLake 4×4 slippery  {details}  ")
+        assert text.startswith(f" FrozenLake 4×4 slippery  {details}  ")
 
 
 def named(width: int, name: str = "an evening", **changes: object) -> str:
@@ -254,11 +254,11 @@ def named(width: int, name: str = "an evening", **changes: object) -> str:
 
 
 def test_the_name_of_the_session_stands_first() -> None:
-    assert named(140).startswith("  an evening  FrozenLake 4×4 slippery · Q-learning · ε-greedy  ")
-    assert named(110).startswith("  an evening  FrozenLake 4×4 slippery  ")
+    assert named(140).startswith(" an evening  FrozenLake 4×4 slippery · Q-learning · ε-greedy  ")
+    assert named(110).startswith(" an evening  FrozenLake 4×4 slippery  ")
     assert named(80).startswith(" an evening  ")
     branches = past(branches=2)
-    assert named(120, timeline=branches).startswith("  an evening  FrozenLake 4×4 slippery · branch 2  ")
+    assert named(120, timeline=branches).startswith(" an evening  FrozenLake 4×4 slippery · branch 2  ")
     assert named(80, timeline=branches).startswith(" an evening  branch 2 ")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rich.cells import cell_len
 from rich.segment import Segment
@@ -17,6 +17,7 @@ from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
 _GAPS = (3, 2)
+_EDGE = 1  # column at either end
 
 Hints = tuple[tuple[str, str], ...]
 """Pairs of a key and its label."""
@@ -36,20 +37,23 @@ def fitting(actions: Sequence[Action], width: int, glyphs: Glyphs) -> tuple[tupl
 
 def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int, glyphs: Glyphs) -> tuple[Action, ...]:
     shown: list[Action] = []
-    used = 1
+    used = 2 * _EDGE
     for action in ranked:
-        used += _columns(action, glyphs) + (gap if shown else 0)
+        used += _columns(action, glyphs, gap) + (gap if shown else 0)
         if used > width and shown:
             break
         shown.append(action)
     return tuple(shown)
 
 
-def _columns(action: Action, glyphs: Glyphs) -> int:
-    """Return the largest width of a hint, which keeps later hints in place."""
+def _columns(action: Action, glyphs: Glyphs, gap: int) -> int:
+    """Return the columns of a hint, which keep later hints in place.
+
+    A longer label while the run goes on takes all but one blank of the gap.
+    """
     keys, label = action.key_hint
-    widest = max(cell_len(glyphs.spelled(word)) for word in (label, action.while_running))
-    return cell_len(glyphs.spelled(keys)) + 1 + widest
+    usual, running = (cell_len(glyphs.spelled(word)) for word in (label, action.while_running))
+    return cell_len(glyphs.spelled(keys)) + 1 + max(usual, running + 1 - gap)
 
 
 def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
@@ -78,34 +82,48 @@ class KeyLine(Widget):
     def render_line(self, y: int) -> Strip:
         """Draw the line."""
         palette, glyphs = self.look.palette, self.look.glyphs
-        shown, gap = self._fitting_actions()
-        hints = [*self._fitting_first(), *(self._hint(action) for action in shown)]
-        if self.hints:
-            hints, gap = self._fitting_hints(), _GAPS[1]
-        segments = [Segment(" ", palette.text)]
-        for number, (keys, label) in enumerate(hints):
-            segments += [
-                Segment(" " * gap if number else "", palette.text),
+        segments, used = list[Segment](), 0
+        for column, (keys, label) in self._placed():
+            hint = [
+                Segment(" " * (column - used), palette.text),
                 Segment(glyphs.spelled(keys), palette.press),
                 Segment(glyphs.spelled(f" {label}" if keys else label), palette.text),
             ]
+            segments += hint
+            used += sum(segment.cell_length for segment in hint)
         strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)
         return strip.apply_style(self.rich_style)
 
-    def _hint(self, action: Action) -> tuple[str, str]:
-        keys, label = action.key_hint
-        word = action.while_running if self.is_running and action.while_running else label
-        return keys, word.ljust(max(len(label), len(action.while_running)))
+    def _placed(self) -> Iterator[tuple[int, tuple[str, str]]]:
+        """Yield hints with their columns."""
+        first = self._fitting_hints() if self.hints else self._fitting_first()
+        shown, gap = ((), _GAPS[1]) if self.hints else self._fitting_actions()
+        end = _EDGE
+        for hint in first:
+            yield end, hint
+            end += _line_columns([hint], 0, self.look.glyphs) - _EDGE + gap
+        for action, column in self._columns_of(shown, gap, end):
+            keys, label = action.key_hint
+            yield column, (keys, action.while_running if self.is_running and action.while_running else label)
+
+    def _columns_of(self, shown: Sequence[Action], gap: int, column: int) -> Iterator[tuple[Action, int]]:
+        """Yield actions from ``column`` on, the last one at the right edge."""
+        for action in shown:
+            columns = _columns(action, self.look.glyphs, gap)
+            if action is shown[-1]:
+                column = max(column, self.size.width - _EDGE - columns)
+            yield action, column
+            column += columns + gap
 
     def _fitting_first(self) -> Hints:
         last = min((a for a in self._actions if a.rank is not None), key=lambda action: action.rank or 0)
-        room = self.size.width - _columns(last, self.look.glyphs) - _GAPS[0]
+        room = self.size.width - _EDGE - _columns(last, self.look.glyphs, _GAPS[0]) - _GAPS[0]
         fitting = (each for each in self.first if _line_columns(each, _GAPS[0], self.look.glyphs) <= room)
         return next(fitting, self.first[-1] if self.first else ())
 
     def _fitting_hints(self) -> list[tuple[str, str]]:
         hints = list(self.hints)
-        while len(hints) > 1 and _line_columns(hints, _GAPS[1], self.look.glyphs) > self.size.width:
+        while len(hints) > 1 and _line_columns(hints, _GAPS[1], self.look.glyphs) > self.size.width - _EDGE:
             hints.pop(-2)
         return hints
 
@@ -118,13 +136,10 @@ class KeyLine(Widget):
             self._press_hint(self._fitting_hints(), _GAPS[1], offset.x)
             return
         shown, gap = self._fitting_actions()
-        column = self._press_hint(self._fitting_first(), gap, offset.x)
-        for action in shown:
-            end = column + _columns(action, self.look.glyphs)
-            if column <= offset.x < end:
+        first = self._press_hint(self._fitting_first(), gap, offset.x)
+        for action, column in self._columns_of(shown, gap, first):
+            if column <= offset.x < column + _columns(action, self.look.glyphs, gap):
                 await self.screen.run_action(action.textual_action)
-                return
-            column = end + gap
 
     def _fitting_actions(self) -> tuple[tuple[Action, ...], int]:
         first = self._fitting_first()

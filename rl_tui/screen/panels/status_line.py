@@ -19,12 +19,13 @@ from rl_tui.screen.panels.controls.settings import speed_text
 from rl_tui.screen.panels.program.words import name_of
 from rl_tui.screen.theme.look import Look
 
-WIDE: Final = 100
+WIDE: Final = 98  # columns between the margins of a broad screen
 SMALL: Final = 70
 WAITING: Final = "the world is being built"
 PROGRAM_ENDED: Final = "your program has ended"
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
+_MARGIN: Final = 1
 _LEAST_TITLE: Final = 12
 COMPILING: Final = "compiling"  # shown instead of the speed while machine code is compiled
 IN_PYTHON: Final = "in Python"  # no machine code
@@ -88,19 +89,18 @@ class StatusLine(WaitingRow):
         waits = waiting_line(snapshot, look, width, unanswered=self.unanswered, scenario=self.title)
         if waits is not None or snapshot is None:
             return waits or []
-        margin = 2 if width >= WIDE else 1
         fields = _fields(snapshot, look, width, is_manual=self.is_manual, is_captioned=self.is_captioned)
-        beside = width - 2 * margin - sum(field.columns + _GAP for field in fields)
+        beside = width - 2 * _MARGIN - sum(field.columns + _GAP for field in fields)
         title = cell_len(look.glyphs.separated(_names(snapshot, self._session)[0]))
         if beside < title <= beside + fields[0].columns + _GAP:
             fields = fields[1:]  # a whole title instead of the speed
-        right = [piece for field in _fitting(fields, width - 2 * margin) for piece in _pieces(field, look)]
-        room = max(0, width - 2 * margin - length(right))
+        right = [piece for field in _fitting(fields, width - 2 * _MARGIN) for piece in _pieces(field, look)]
+        room = max(0, width - 2 * _MARGIN - length(right))
         name = _title(snapshot, look, room, self._session)
         if room < _LEAST_TITLE and name[0].text.endswith(look.glyphs.ellipsis):
             name = []
         blanks = Piece(" " * (room - length(name)), look.palette.text)
-        return [Piece(" " * margin, look.palette.text), *name, blanks, *right]
+        return [Piece(" " * _MARGIN, look.palette.text), *name, blanks, *right]
 
 
 def how_far(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> tuple[Piece, ...]:
