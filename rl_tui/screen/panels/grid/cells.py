@@ -462,7 +462,8 @@ class _Cell:
         put_reward(canvas, left, 0, room, face.reward, self.look)
         if self.extra.way is None and face.kind is CellKind.START:
             self._put_start(left)
-        put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
+        if canvas.at(inner - 1, 0) != START:
+            put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
         if self.extra.way is not None:
             self._put_one_way(self.extra.way)
         if face.differs:

@@ -92,6 +92,8 @@ class CellForm(NamedTuple):
         """The greedy letters in an unmarked cell."""
         if not self.has_values:
             return 1
+        if self.has_blocks:  # more would be wider than the arrows of other cells
+            return (self.width - 1) // 2
         return self.width - 2 if self.height > 1 else max(1, self.inner - self.digits - 1)
 
     @property

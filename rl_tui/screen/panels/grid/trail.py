@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _RECENT: Final = 16
 """Steps after which a visited cell is no longer recent."""
+_LEAST_BLANK: Final = 2 / 3  # of a row: fewer pieces of a frame are no line
 _LEAST_PADDED: Final = 11  # columns of a cell
 _UNDERLINED: Final = Style(underline=True)
 
@@ -117,11 +118,11 @@ def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
         for column, sign in ((0, glyphs.frame[0]), (canvas.width - 1, glyphs.frame[1])):
             if canvas.at(column, row) in f" {glyphs.seams}":
                 canvas.put_over(column, row, sign, colour)
-    if canvas.height >= 3 and look.palette.has_shades:
-        for column in range(1, canvas.width - 1):
-            for row, sign in ((0, glyphs.frame[2]), (canvas.height - 1, glyphs.frame[3])):
-                if canvas.at(column, row) in f" {glyphs.seams}":
-                    canvas.put_over(column, row, sign, colour)
+    for row, sign in ((0, glyphs.frame[2]), (canvas.height - 1, glyphs.frame[3])):
+        free = [x for x in range(1, canvas.width - 1) if canvas.at(x, row) in f" {glyphs.seams}"]
+        if canvas.height >= 3 and look.palette.has_shades and len(free) >= _LEAST_BLANK * canvas.width:
+            for column in free:
+                canvas.put_over(column, row, sign, colour)
 
 
 def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:

@@ -18,6 +18,7 @@ NOTHING_KNOWN: Final = "nothing learned yet"
 ALL_ZERO: Final = "0 so far"
 VEILED: Final = "hidden: w h shows it"
 _GAP: Final = "  "
+_WIDE: Final = 50  # columns; in fewer, signs need the room of a long scale
 _MOST_KEPT: Final = 64  # the same line is drawn in every frame
 
 
@@ -36,7 +37,7 @@ def scale_line(
 ) -> Strip:
     """Draw ``said``, the scale, and fitting ``signs``."""
     line = list(said)
-    forms = _scale_forms(named, look) if named is not None else ()
+    forms = _scale_forms(named, width, look) if named is not None else ()
     _add(line, forms, width, look)
     if named is not None and named.note:
         _add(line, [(Piece(named.note, look.palette.dim),)], width, look)
@@ -55,9 +56,9 @@ def _add(line: list[Piece], forms: Iterable[Line], width: int, look: Look) -> No
             return
 
 
-def _scale_forms(named: NamedScale, look: Look) -> Iterator[tuple[Piece, ...]]:
+def _scale_forms(named: NamedScale, width: int, look: Look) -> Iterator[tuple[Piece, ...]]:
     dim = look.palette.dim
-    for every in (1, 2):
+    for every in (1, 2) if width >= _WIDE else (2,):
         if pieces := scale_pieces(named.scale, look, every=every):
             yield Piece(f"{named.word} ", dim), *pieces
     if named.scale.ends[0] >= named.scale.ends[1]:
