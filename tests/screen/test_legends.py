@@ -56,9 +56,9 @@ def legend(panel: Panel) -> list[str]:
     return [f"{each.sign.strip()} {each.meaning}" for each in panel.legend(panel.snapshot)]
 
 
-def test_a_legend_stands_on_a_row_that_is_free() -> None:
+def test_a_legend_touches_the_table_if_a_row_is_free() -> None:
     table = explained(QTable(look()), lake(), 64, 14)
-    assert rows(table)[-1] == " ▌▐ greedy: looks best  ▐ just updated  ◉ agent  · not tried"
+    assert rows(table)[12] == " ▌▐ greedy: looks best  ▐ just updated  ◉ agent  · not tried"
     assert "greedy" not in table.foot
 
 

@@ -272,7 +272,7 @@ class Panel(BoardPanel):
     """A panel that redraws each snapshot and refreshes changed rows.
 
     Subclasses implement :meth:`picture`, which sets ``heading``, ``footing`` and ``free_rows``. The
-    :meth:`legend` fills these rows at the bottom, or the border.
+    :meth:`legend` fills the first of these rows, or the border.
     """
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
@@ -366,9 +366,11 @@ class Panel(BoardPanel):
 
     def _explain(self, snapshot: Snapshot) -> None:
         size, signs = self._drawn_size, self.legend(snapshot)
-        rows = legend_rows(signs, size.width, self._always_free(snapshot), self.look)
+        free = self._always_free(snapshot)
+        rows = legend_rows(signs, size.width, free, self.look)
         if rows:
-            self._rows[-len(rows) :] = rows
+            start = size.height - free
+            self._rows[start : start + len(rows)] = rows
         else:
             taken = cell_len(self.look.glyphs.separated(f"{self.footing} · ")) if self.footing else 0
             self._border_legend = legend_text(signs, size.width - BORDER_ENDS - taken, self.look)

@@ -94,9 +94,11 @@ class ScrolledPanel(Panel, can_focus=True):
             lines = lines_of(self.blocks(snapshot, left_out), width, self.look)
             if left_out == 0:
                 self._rows_wanted = len(lines)
-            closed = [line for line in lines if line]
-            if len(lines) > height >= len(closed):
-                lines = closed
+            blanks = [place for place, line in enumerate(lines) if not line]
+            # those at the ends first: the others part the lines of a table
+            surplus = [*blanks[-1:], *blanks[:-1]][: max(0, len(lines) - height)]
+            if len(lines) - len(surplus) <= height:
+                lines = [line for place, line in enumerate(lines) if place not in surplus]
             if len(lines) <= height:
                 break
         self.free_rows = max(0, height - len(lines))

@@ -136,7 +136,7 @@ def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
         least = LEAST_FIELD if _fits_narrow(scene) else FIELD_WITH_SIGN
         if (form := _form(scene, needed, width, least, scene.world.state_width)) is not None:
             return form
-        width -= 1  # the scroll bar
+        width -= 2  # the scroll bar, apart from the marks of the last column
     least = LEAST_FIELD if min(scene.shown.low, scene.world.least_reward) > -99.5 else FIELD_WITH_SIGN
     labels = scene.world.state_width, scene.world.brief_width
     forms = (_form(scene, 1, width, least, label, gap) for gap in (_GAP, 0) for label in labels)
