@@ -56,7 +56,7 @@ def test_at_gamma_1_the_student_who_always_checks_the_phone_gets_nothing() -> No
 
 
 def test_what_an_egg_comes_to_without_a_clock_or_a_memory() -> None:
-    is_said("egg", "Always *eat*: −10. Always *wait*: −12.")
+    is_said("egg", "If it always eats, it gets −10. If it always waits, it gets −12.")
     is_said("egg", "waits with probability 0.61 and gets −8.08 on average")
     wait = np.linspace(0.0, 1.0, 10_001)
     prospects = begin(recipe("egg")).world.prospects
