@@ -91,7 +91,9 @@ CLAIMS: Final = (
         values={"alpha_decay": 0.001},
         scale=PERCENT,
     ),
-    Claim(SLIPPERY, "in 40.1 ± 2.0 with `sample-average`, 1/N", BECAME, 10_000, values=AVERAGE, scale=PERCENT),
+    Claim(
+        SLIPPERY, "in 40.1 ± 2.0 with `sample-average`, 1/N", BECAME, 10_000, values=AVERAGE, scale=PERCENT
+    ),
     Claim(LARGE, "comes in episode 520 ± 62", "first_reward_episode", 10_000, runs=20),
     Claim(LARGE, "in 80.4 ± 1.1 episodes of 100", BECAME, 10_000, runs=20, scale=PERCENT),
     Claim(
