@@ -214,5 +214,5 @@ async def test_a_seed_is_typed_and_shows_its_own_map(make_app: MakeApp) -> None:
         assert holes != holes_of(first)
         view = playground(pilot).query_one(GridView)
         text = "".join(view.render_line(y).text for y in range(view.size.height))
-        assert text.count("▟▀▀▙") == len(holes)
+        assert text.count("▗▄▄▖") == len(holes)
         assert (await press(pilot, "e")).counters.episodes == 1

@@ -34,10 +34,12 @@ def line_below(view: WorldView, snapshot: Snapshot, width: int = 70, *, explaine
 
 def test_word_and_ends_come_first_then_signs_as_there_is_room() -> None:
     ramp = " " * len(PALETTE.values)
-    for width, signs in ((70, "  ◉ agent  • trail"), (32, "  ◉ agent"), (24, "")):
+    strip = scale_line((), VALUES, (AGENT, TRAIL), 70, look())
+    assert strip.text.rstrip() == f"value 0 {ramp} .86  ◉ agent  • trail"
+    assert {each.style for each in strip if not each.text.strip()} >= set(PALETTE.values)
+    for width, signs in ((49, "  ◉ agent  • trail"), (32, "  ◉ agent"), (24, "")):
         strip = scale_line((), VALUES, (AGENT, TRAIL), width, look())
-        assert strip.text.rstrip() == f"value 0 {ramp} .86{signs}"
-        assert {each.style for each in strip if not each.text.strip()} >= set(PALETTE.values)
+        assert strip.text.rstrip() == f"value 0 {ramp[::2]} .86{signs}"
 
 
 def test_the_scale_gets_coarser_and_then_leaves_its_word_where_there_is_little_room() -> None:

@@ -143,8 +143,10 @@ def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fil
         fits = bare.width * grid.columns <= width and bare.height * grid.rows <= height
         if (fits and height < LEAST_WITH_TITLES) or bare.width > cell.width:
             cell, left, above = bare, 0, 0
-        if grid.legend and cell.width < _LEAST_WITH_LETTERS:  # a part of its maps tells more than all tints
-            cell = cell._replace(width=_LEAST_WITH_LETTERS)
+        if not fits and grid.axes is not None and cell.width < _LEAST_WITH_LETTERS:
+            part = next((each.columns for each in grid.axes.titles), width)
+            if (2 * part + 1) * _LEAST_WITH_LETTERS <= width:  # two parts with letters, not all as tints
+                cell = Size(_LEAST_WITH_LETTERS, cell.height)
     return MapSize(
         cell,
         Size(
