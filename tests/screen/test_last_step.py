@@ -79,10 +79,10 @@ def lake_step(**changes: Any) -> Snapshot:
 
 def test_one_line_holds_what_happened_and_the_update() -> None:
     (line,) = drawn(lake_step(), 90)
-    equation = ".36 + .10·(0 + .99·.56 − .36) = .38  δ +.19"
+    equation = ".360 + .10·(0 + .99·.560 − .360) = .379  δ +.194"
     assert line == f" 6 meant ← slipped ↓ to 10  r 0  {equation}  greedy"
-    assert drawn(lake_step(), 58) == [" 6 meant ← slipped ↓ to 10  r 0  now = .38  δ +.19  greedy"]
-    assert drawn(lake_step(), 30) == [" now = .38  δ +.19"]
+    assert drawn(lake_step(), 62) == [" 6 meant ← slipped ↓ to 10  r 0  now = .379  δ +.194  greedy"]
+    assert drawn(lake_step(), 30) == [" now = .379  δ +.194"]
 
 
 @pytest.mark.parametrize(("width", "remark"), [(80, ": the target is the estimate"), (45, "")])
@@ -94,7 +94,12 @@ def test_a_target_that_is_the_estimate_is_told_in_words(width: int, remark: str)
 
 def test_every_form_is_whole() -> None:
     snapshot = lake_step()
-    parts = (".36 + .10·(0 + .99·.56 − .36) = .38", "now = .38", "δ +.19", "6 meant ← slipped ↓ to 10  r 0")
+    parts = (
+        ".360 + .10·(0 + .99·.560 − .360) = .379",
+        "now = .379",
+        "δ +.194",
+        "6 meant ← slipped ↓ to 10  r 0",
+    )
     parts += (
         "in 6 meant ← slipped ↓ to 10   reward 0   chance 1/3",
         "in 6 meant ← slipped ↓ to 10   reward 0",
@@ -115,10 +120,10 @@ def test_every_form_is_whole() -> None:
 def test_a_terminal_step_does_not_bootstrap() -> None:
     ended = lake_step(terminated=True, next_state=5, bootstrap=0.0)
     (line,) = drawn(ended)
-    assert ".36 + .10·(0 − .36) = .32  δ −.36" in line
+    assert ".360 + .10·(0 − .360) = .324  δ −.360" in line
     lines = drawn(ended, 56, 7)
     assert lines[:2] == [" in 6 meant ← slipped ↓ to 5: hole   reward 0", " the episode ends"]
-    assert lines[2] == " now = was + α  ·(r − was)"
+    assert lines[2] == " now  = was  + α  ·(r − was )"
 
 
 def test_a_truncated_step_still_bootstraps() -> None:
@@ -127,17 +132,17 @@ def test_a_truncated_step_still_bootstraps() -> None:
     assert lines[1] == " truncated by the time limit: still bootstraps"
     assert "+ γ  ·best" in lines[2]
     assert drawn(truncated, 45, 7)[1] == " truncated, still bootstraps"
-    assert drawn(truncated, 32, 3)[1:] == [" now = .38  δ +.19", " truncated, still bootstraps"]
-    assert drawn(truncated, 100)[0].endswith("δ +.19  time limit  greedy")
+    assert drawn(truncated, 32, 3)[1:] == [" now = .379  δ +.194", " truncated, still bootstraps"]
+    assert drawn(truncated, 110)[0].endswith("δ +.194  time limit  greedy")
 
 
 def test_negative_numbers_stand_in_brackets() -> None:
     negative = stepped(student(), before=-1.5, bootstrap=-0.5, reward=-2.0)
     (line,) = drawn(negative, 100)
-    assert "−1.5 + .10·(−2 + .90·(−.5) − (−1.5)) = −1.59  δ −.95" in line
-    assert drawn(negative, 45, 7)[2:4] == [
-        " now   = was  + α  ·(r  + γ  ·best  − was   )",
-        " −1.59 = −1.5 + .10·(−2 + .90·(−.5) − (−1.5))",
+    assert "−1.5 + .10·(−2 + .90·(−.5) − (−1.5)) = −1.595  δ −.950" in line
+    assert drawn(negative, 46, 7)[2:4] == [
+        " now    = was  + α  ·(r  + γ  ·best  − was   )",
+        " −1.595 = −1.5 + .10·(−2 + .90·(−.5) − (−1.5))",
     ]
 
 
@@ -167,32 +172,32 @@ def test_words_stand_above_the_numbers_and_a_bar_shows_the_error() -> None:
     assert drawn(lake_step(), 45, 7) == [
         " in 6 meant ← slipped ↓ to 10   reward 0",
         "",
-        " now = was + α  ·(r + γ  ·best − was)",
-        " .38 = .36 + .10·(0 + .99·.56  − .36)",
-        "                 ╰─────── δ ────────╯",
+        " now  = was  + α  ·(r + γ  ·best − was )",
+        " .379 = .360 + .10·(0 + .99·.560 − .360)",
+        "                   ╰──────── δ ────────╯",
         "",
-        " surprise δ ────────────│━━━━━━━━━━━━    +.19",
+        " surprise δ ────────────│━━━━━━━━━━━━   +.194",
     ]
 
 
 def test_in_three_rows_the_numbers_stand_without_words() -> None:
     assert drawn(lake_step(), 32, 3) == [
         " 6 meant ← slipped ↓ to 10  r 0",
-        " .36 + .10·(0 + .99·.56 − .36)",
-        "   = .38   surprise δ +.19",
+        " .360 + .10·(0 + .99·.560",
+        "   − .360) = .379  δ +.194",
     ]
     assert drawn(lake_step(before=0.63745, bootstrap=0.73106), 32, 3)[1:] == [
-        " .63745 + .10·(0 + .99·.73106",
-        "   − .63745) = .64608  δ +.08630",
+        " .637 + .10·(0 + .99·.731",
+        "   − .637) = .646  δ +.086",
     ]
 
 
 def test_where_the_equation_is_too_long_for_a_line_it_goes_on_below() -> None:
-    assert drawn(lake_step(before=0.63745, bootstrap=0.73106), 45, 7)[2:6] == [
-        " now    = was    + α",
-        " .64608 = .63745 + .10",
-        "   ·(r + γ  ·best   − was   )",
-        "   ·(0 + .99·.73106 − .63745)",
+    assert drawn(lake_step(before=0.63745, bootstrap=0.73106), 36, 7)[2:6] == [
+        " now  = was  + α",
+        " .646 = .637 + .10",
+        "   ·(r + γ  ·best − was )",
+        "   ·(0 + .99·.731 − .637)",
     ]
 
 
@@ -207,7 +212,7 @@ def test_where_words_above_the_numbers_are_too_wide_the_equation_goes_on_below()
 def test_shorter_forms_tell_the_same(height: int) -> None:
     lines = drawn(lake_step(), 60, height)
     text = "\n".join(lines)
-    for part in ("6 meant ← slipped ↓ to 10", "reward 0", ".38 = .36 + .10·(0 + .99·.56  − .36)"):
+    for part in ("6 meant ← slipped ↓ to 10", "reward 0", ".379 = .360 + .10·(0 + .99·.560 − .360)"):
         assert part in text
     assert lines[min(height, 7) - 1].startswith(" surprise δ ──")
     assert ("╰" in text) is (height >= 6)
@@ -330,3 +335,11 @@ def test_a_planner_tells_how_its_sweep_gets_on_where_there_is_room() -> None:
     assert any(row.endswith("policy 2, evaluation sweep 7") for row in narrow)
     assert not any("policy 2" in row for row in drawn(known, 80, 4))
     assert not any("policy 2" in row for row in drawn(lake(planning=progress), 80, 9))
+
+
+def test_the_equation_keeps_its_form_from_step_to_step() -> None:
+    steps = [(0.36, 0.56), (0.63745, 0.73106), (0.9066, 0.9545), (0.1234567, 0.7654321), (0.5, 0.25)]
+    for before, bootstrap in steps:
+        lines = drawn(lake_step(before=before, bootstrap=bootstrap), 45, 7)
+        assert lines[2].startswith(" now  ")
+        assert "╰" in lines[4]

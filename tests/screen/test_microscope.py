@@ -83,7 +83,7 @@ def test_the_loop_in_five_parts() -> None:
         " action  a = ←   the greedy action",
         " reward  r = 0",
         " next    s′ = 2   slipped ↑, p = 1/3",
-        " update  Q(6,←) .2394 → .2464",
+        " update  Q(6,←) .239 → .246   Q-learning",
     ]
 
 
@@ -96,12 +96,10 @@ def test_an_action_of_a_person_is_told_as_such() -> None:
 def test_every_number_of_the_update_says_where_it_comes_from() -> None:
     lines = part(shown(LAKE), "The update", "The backup")
     text = " ".join(" ".join(lines).split())
-    assert "now = was + α .2464 = .2394 + .10 ·(r + γ ·best − was ) ·(0 + .99·.3130 − .2394)" in text
-    assert "δ = +.0705 .3130 is max Q(2,·): ↑" in text
+    assert "now = was + α ·(r + γ ·best − was ) .246 = .239 + .10·(0 + .99·.313 − .239)" in text
+    assert "δ = +.070 .313 is max Q(2,·): ↑" in text
     wide = "\n".join(shown(LAKE, 60))
-    assert (
-        " now   = was   + α  ·(r + γ  ·best  − was  )\n .2464 = .2394 + .10·(0 + .99·.3130 − .2394)" in wide
-    )
+    assert " now  = was  + α  ·(r + γ  ·best − was )\n .246 = .239 + .10·(0 + .99·.313 − .239)" in wide
 
 
 def test_a_mean_over_the_policy_lists_its_cells() -> None:
@@ -134,8 +132,8 @@ def test_numbers_of_cells_look_as_their_cells_do() -> None:
     for row in widget.picture(LAKE, NARROW, 60):
         for segment in row:
             styles.setdefault(segment.style, []).append(segment.text)
-    assert styles[palette.updated] == [".2464", ".2394", ".2394"]
-    assert styles[palette.source] == [".3130", ".3130"]
+    assert styles[palette.updated] == [".246", ".239", ".239"]
+    assert styles[palette.source] == [".313", ".313"]
 
 
 def test_the_table_lights_up_what_was_looked_up() -> None:

@@ -18,7 +18,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.precision import figure
 from rl_tui.screen.kit.blocks import lines_of
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
-from rl_tui.screen.panels.last_step.update_text import UpdateText, subtracts, update_text
+from rl_tui.screen.panels.last_step.update_text import UpdateText, update_text
 from rl_tui.screen.panels.last_step.words import words_of
 from rl_tui.screen.panels.microscope.backup import outcome_table, target_blocks
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
@@ -145,24 +145,6 @@ def test_a_large_screen_prints_the_digits_of_a_small_one(
     for number in (update.before, update.gathered, update.step_size, update.bootstrap, update.after):
         assert number in short
         assert all(number in other for other in others)
-
-
-THOUSANDTHS = st.integers(-20_000, 20_000).map(lambda thousandths: thousandths / 1000)
-
-
-@given(before=THOUSANDTHS, reward=st.integers(-2, 2), bootstrap=THOUSANDTHS)
-@example(-4.385, -1, -3.94)
-def test_it_is_known_whether_the_printed_difference_is_that_of_the_printed_numbers(
-    before: float, reward: int, bootstrap: float
-) -> None:
-    last = learned_from(LAST, before=before, gathered=float(reward), bootstrap=bootstrap, discount=1.0)
-    text = update_text(last, last.step_size, UNICODE, bootstraps=True)
-    is_exact = Fraction(_plain(text.target)) - Fraction(_plain(text.before)) == Fraction(_plain(text.error))
-    assert subtracts(text, UNICODE) is is_exact
-
-
-def _plain(text: str) -> str:
-    return text.replace(UNICODE.minus, "-")
 
 
 def test_small_values_are_printed_with_digits_to_work_with() -> None:

@@ -63,15 +63,15 @@ def step(algorithm: str, **changes: Any) -> Snapshot:
 )
 def test_one_step_methods_differ_in_what_they_expect_next(algorithm: str, word: str) -> None:
     text = drawn(step(algorithm), 60, 9)
-    assert f" now = was + α  ·(r + γ  ·{word} − was)" in text
-    assert " .38 = .36 + .10·(0 + .99·.56  − .36)" in text
+    assert f" now  = was  + α  ·(r + γ  ·{word} − was )" in text
+    assert " .379 = .360 + .10·(0 + .99·.560 − .360)" in text
 
 
 def test_double_q_learning_names_its_tables() -> None:
     for table, name in ((1, "Q₁"), (2, "Q₂")):
         snapshot = step("double-q-learning", table=table)
-        assert f" {name}(6,↓) = was + α  ·(r + γ  ·other − was)" in drawn(snapshot, 80, 9)
-        assert f"{name}(6,↓) = .36 + .10·(0 + .99·.56 − .36) = .38" in drawn(snapshot)
+        assert f" {name}(6,↓) = was  + α  ·(r + γ  ·other − was )" in drawn(snapshot, 80, 9)
+        assert f"{name}(6,↓) = .360 + .10·(0 + .99·.560 − .360) = .379" in drawn(snapshot)
     assert "Q2(6,v) = was" in drawn(step("double-q-learning", table=2), 80, 9, ascii=True)
 
 
@@ -79,8 +79,8 @@ def test_n_steps_gather_rewards_and_discount_by_a_power() -> None:
     earlier = int(LAKE.world.space.first_pair[4]) + 1
     snapshot = step("n-step-sarsa", updated_pair=earlier, gathered=0.3, discount=0.99**4)
     text = drawn(snapshot, 80, 9)
-    assert " Q(4,↓) = was + α  ·(G  + γⁿ   ·next − was)" in text
-    assert " .41    = .36 + .10·(.3 + .9606·.56  − .36)" in text
+    assert " Q(4,↓) = was  + α  ·(G  + γⁿ   ·next − was )" in text
+    assert " .408   = .360 + .10·(.3 + .9606·.560 − .360)" in text
 
 
 def test_n_steps_at_the_end_of_an_episode() -> None:
@@ -88,7 +88,7 @@ def test_n_steps_at_the_end_of_an_episode() -> None:
         "n-step-sarsa", terminated=True, next_state=15, bootstrap=0.0, reward=1.0, gathered=1.0, others=3
     )
     text = drawn(snapshot, 80, 9)
-    assert "= was + α  ·(G − was)" in text
+    assert "= was  + α  ·(G − was )" in text
     assert "and 3 more at the end of the episode" in text
 
 
@@ -123,9 +123,9 @@ def test_monte_carlo_learns_from_the_whole_return() -> None:
         others=5,
     )
     text = drawn(ended, 80, 9)
-    assert " Q(0,←) = was + α  ·(G   − was)" in text
+    assert " Q(0,←) = was  + α  ·(G    − was )" in text
     assert "and 5 more, back to its start" in text
-    assert "Q(0,←) = .36 + .10·(.95 − .36) = .42" in drawn(ended, 100)
+    assert "Q(0,←) = .360 + .10·(.950 − .360) = .419" in drawn(ended, 100)
     cut = changed(
         ended,
         last_step=replace(
@@ -179,9 +179,9 @@ def test_a_planner_backs_up_a_state() -> None:
         " sweep 3   backs up state 6   row 1, column 2, counted from 0",
         " and 2 more of this state",
         " Q(6,↓) = Σ p r + γ  ·best",
-        " .80    = .25   + .99·.56",
+        " .804   = .250  + .99·.560",
     ]
-    assert drawn(planned()) == " sweep 3  Q(6,↓) = .25 + .99·.56 = .80  δ +.44  +2"
+    assert drawn(planned()) == " sweep 3  Q(6,↓) = .250 + .99·.560 = .804  δ +.444  +2"
 
 
 @pytest.mark.parametrize("algorithm", [each.id for each in BY_ID.values() if each.planner])

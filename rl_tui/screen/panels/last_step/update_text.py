@@ -12,12 +12,10 @@ from rl_tui.screen.theme.glyphs import Glyphs
 
 _FEWEST: Final = 2
 _MOST_FOR_CHANGE: Final = 4  # a smaller change need not be visible in the estimate
-_FINER: Final = 2  # additional decimals of terms, compared with results
-_CLOSER: Final = 4  # additional decimals acceptable for results that agree within half a digit
+_STEADY: Final = 3  # decimals, so that the equation keeps its form from step to step
+_FINER: Final = (0, 1, 2)  # additional decimals of terms, compared with results
 _DIGITS: Final = 6  # digits after the first one of the largest term: smaller results are shown as 0
 _NOISE: Final = 1e-12  # share of the largest term: rounding errors
-_EXACT_FINER: Final = 1  # additional decimals acceptable for a δ equal to the printed difference
-_EXACT: Final = 1e-12  # rounding error of an exact difference
 _FACTOR: Final = 4  # decimals of a long factor
 
 
@@ -41,35 +39,18 @@ class _Rounding(NamedTuple):
 
 
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
-    """Write ``last`` with the fewest consistent decimals.
+    """Write ``last`` with steady decimals: three below 10, fewer above, and more only if needed.
 
-    Results agree within half of the last digit, or one if half takes too many decimals. Without
-    ``bootstraps``, the target is ``gathered``.
+    Results agree within one last digit. Without ``bootstraps``, the target is ``gathered``.
     """
-    closest: dict[float, UpdateText] = {}  # the first consistent text, by accuracy in digits
-    most = _DIGITS - magnitude(_largest(last))
-    fewest = min(_decimals_that_show(last), most)
-    longest = most + _FINER
-    finer = range(_FINER + 1)
-    for rounding in (_Rounding(each + more, each) for each in range(fewest, most + 1) for more in finer):
+    largest = magnitude(_largest(last))
+    most = _DIGITS - largest
+    fewest = min(max(_decimals_that_show(last), _STEADY - max(0, largest)), most)
+    for rounding in (_Rounding(each + more, each) for each in range(fewest, most + 1) for more in _FINER):
         text = _written(last, alpha, glyphs, rounding, bootstraps=bootstraps)
-        if closest and (rounding.results > fewest + _CLOSER or rounding.terms > longest):
+        if _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps):
             break
-        for digits in (0.5, 1.0):
-            if _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=digits):
-                if digits < 1.0 and subtracts(text, glyphs):
-                    return text
-                if digits < 1.0 and digits not in closest:
-                    longest = rounding.terms + _EXACT_FINER
-                closest.setdefault(digits, text)
-                break
-    return closest[min(closest)] if closest else text
-
-
-def subtracts(text: UpdateText, glyphs: Glyphs) -> bool:
-    """Return whether target − before is δ as printed."""
-    target, before, error = (parsed(each, glyphs) for each in (text.target, text.before, text.error))
-    return abs(target - before - error) <= _EXACT * max(abs(target), abs(before))
+    return text
 
 
 def _written(
@@ -140,7 +121,7 @@ def _decimals_that_show(last: LastStep) -> int:
 
 
 def _comes_out(
-    last: LastStep, text: UpdateText, rounding: _Rounding, glyphs: Glyphs, *, bootstraps: bool, digits: float
+    last: LastStep, text: UpdateText, rounding: _Rounding, glyphs: Glyphs, *, bootstraps: bool
 ) -> bool:
     before, gathered, discount, bootstrap = (
         parsed(each, glyphs) for each in (text.before, text.gathered, text.discount, text.bootstrap)
@@ -155,7 +136,7 @@ def _comes_out(
         (parsed(text.target, glyphs) - before, text.error),
         (before + step_size * parsed(text.error, glyphs), text.after),
     )
-    return all(agrees(worked_out, shown, glyphs, rounding.results, digits) for worked_out, shown in chained)
+    return all(agrees(worked_out, shown, glyphs, rounding.results) for worked_out, shown in chained)
 
 
 def _has_no_more_decimals(x: float, decimals: int) -> bool:
