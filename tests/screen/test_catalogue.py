@@ -110,7 +110,7 @@ async def test_it_begins_on_the_second_of_its_doors_above_scenarios_in_teaching_
         await tap(pilot, "escape")
         lines = screen_text(pilot.app).splitlines()
         for group, unit in (("Begin here", "size"), ("Bandits", "arms")):
-            assert next(line for line in lines if group in line)[:31].rstrip(" │").endswith(f" {unit}")
+            assert next(line for line in lines if group in line)[:39].rstrip(" │").endswith(f" {unit}")
         lessons = read_lessons().lessons
         assert sum(lesson.is_core for lesson in lessons) == 5
         await pilot.resize_terminal(120, 40)

@@ -33,7 +33,7 @@ from rl_tui.worlds.world import World
     [
         ((40, 8), CellForm(10, 2)),  # 4×4 at 80×24
         ((60, 12), CellForm(14, 3)),  # at 120×40
-        ((118, 36), CellForm(22, 5)),  # zoomed
+        ((118, 36), CellForm(29, 9)),  # in a large preview
         ((20, 4), CellForm(5, 1)),
         ((19, 4), CellForm(4, 1)),  # only arrows
         ((8, 4), CellForm(2, 1)),
@@ -102,7 +102,7 @@ def test_small_cells_have_mark_arrow_and_value_in_one_row() -> None:
         ((36, 16), " ◉ ", "█▙▄▖"),
         ((60, 12), " ◉ ", "█▙▄▖"),
         ((60, 16), " ◉ ", "█████▌"),
-        ((118, 36), " ◉ ", "█████▌"),
+        ((60, 20), " ◉ ", "█████▌"),
     ],
 )
 def test_the_agent_hides_neither_arrow_nor_value_in_any_form(

@@ -39,7 +39,7 @@ from rl_tui.screen.terminal.key_queue import KeyQueue, TypeFirst
 from rl_tui.screen.terminal.linked_app import LinkedApp, forget_left_screens
 from rl_tui.screen.theme.glyphs import ASCII, encoding_of
 from rl_tui.screen.theme.look import Depth, Look, choose_look, depth_of, environment_for, is_native
-from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for, use_scroll_bars
+from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for, use_plain_scroll_bars
 from rl_tui.worlds.files.catalogue import scenarios
 from rl_tui.worlds.files.scenario import Scenario
 
@@ -152,7 +152,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys, stops=self.stops)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
-        use_scroll_bars(ascii_only=has_ascii_only)
+        use_plain_scroll_bars()
 
     @property
     def look(self) -> Look:

@@ -32,6 +32,7 @@ from rl_tui.worlds.files.catalogue import scenarios
 _WORD: Final = re.compile(r"^\W+|\W+$")
 _PLAIN: Final = str.maketrans({"×": "x", "−": "-", "–": "-"})
 _LONGEST: Final = 60  # characters of a search
+ACTION: Final = "action"
 _SENTENCE: Final = 220  # characters about the row under the cursor
 NOTHING: Final = "Nothing begins with these letters. ? shows all keys."
 
@@ -127,11 +128,11 @@ class FindScreen(Dialog[Findable]):
 
     def _row(self, entry: Findable, width: int) -> Text:
         palette, glyphs = self._look.palette, self._look.glyphs
-        keys, kind = self._written(entry.keys), entry.kind
-        room = max(1, width - cell_len(keys) - cell_len(kind) - 3)
+        keys, kind = self._written(entry.keys), "" if entry.kind == ACTION else entry.kind
+        room = max(1, width - cell_len(keys) - cell_len(kind) - (3 if kind else 1))
         name = shortened(self._written(entry.name), room, glyphs.ellipsis)
         row = Text(name.ljust(room), palette.dim if entry.refused else "")
-        return row.append(f" {keys}  ", palette.press).append(kind, palette.dim)
+        return row.append(f" {keys}  "[: None if kind else -2], palette.press).append(kind, palette.dim)
 
     def _tell(self, sentence: str) -> None:
         self.query_one(Static).update(self._written(shortened(sentence, _SENTENCE, "…")))
@@ -146,7 +147,7 @@ class FindScreen(Dialog[Findable]):
 def found_by(query: str, entries: Sequence[Findable]) -> list[Findable]:
     """Return the matches, best first, or all actions."""
     if not query.strip():
-        return [entry for entry in entries if entry.kind == "action"]
+        return [entry for entry in entries if entry.kind == ACTION]
     ranked = [(relevance(query, entry), entry) for entry in entries]
     found = [pair for pair in ranked if pair[0] > 0.0]
     return [entry for _, entry in sorted(found, key=lambda pair: -pair[0])]
@@ -223,7 +224,7 @@ def new_values(screen: ActionScreen, query: str) -> list[Findable]:
 def _of_action(screen: ActionScreen, action: Action) -> Findable:
     name = action.label[0].upper() + action.label[1:]
     do = partial(screen.run_action, action.textual_action)
-    return Findable(name, "action", action.sentence, do, action.shown, action.aliases, bool(action.refused))
+    return Findable(name, ACTION, action.sentence, do, action.shown, action.aliases, bool(action.refused))
 
 
 def _settings(screen: ActionScreen) -> Iterator[tuple[Parameter, tuple[Ask, Put]]]:

@@ -160,7 +160,7 @@ class Board(Container):
         for panel in self._shown():
             if isinstance(panel, WorldView):
                 panel.names_policies_key = self.opened != POLICIES
-                panel.replaces_header = self._arrangement.is_big
+                panel.replaces_header = self.caption.replaces_header
             if panel is self.timeline:
                 self.timeline.unexplained = self.curve.unexplained
             if panel not in pair:
@@ -211,7 +211,8 @@ class Board(Container):
         return self._pair.is_shown
 
     def on_resize(self) -> None:
-        """Adapt runs and lesson."""
+        """Adapt header, runs and lesson."""
+        self._place_header()
         self._arrange_again()  # the last arrangement may have been for another size
         snapshot = self._snapshot
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
@@ -318,11 +319,15 @@ class Board(Container):
     def zoom(self, panel: str | None) -> None:
         """Show ``panel`` in full screen, or all for None."""
         self._arrangement.zoomed = panel
-        self.caption.replaces_header = self.lesson.panel.replaces_header = self._arrangement.is_big
-        self.screen.query_one(StatusLine).styles.height = 0 if self._arrangement.is_big else 1
+        self._place_header()
         self._arrange_again()
         self._keep_focus_in_view()
         self.post_message(self.Toggled())
+
+    def _place_header(self) -> None:
+        has_header = self._arrangement.has_header(self.screen.size)
+        self.caption.replaces_header = self.lesson.panel.replaces_header = not has_header
+        self.screen.query_one(StatusLine).styles.height = int(has_header)
 
     def _keep_focus_in_view(self) -> None:
         screen = self.screen

@@ -62,10 +62,13 @@ class BoardLayout(Layout):
 
     def regions(self, size: Size, zoomed: str | None) -> dict[str, Region]:
         """Return the regions in view, or of ``zoomed``."""
-        regions = self._place(size, self.shape, zoomed).regions
-        if zoomed in WORLDS:
-            return regions
-        return {panel: region.translate((0, -1)) for panel, region in regions.items()}
+        place = self._place(size, self.shape, zoomed)
+        above = int(place.has_header)
+        return {panel: region.translate((0, -above)) for panel, region in place.regions.items()}
+
+    def has_header(self, size: Size) -> bool:
+        """Return whether the first row is free for the header."""
+        return self._place(size, self.shape, self.zoomed).has_header
 
     def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Arrangement:
         wide_rows = 0 if self.opened is None else self._wide_rows[self.opened]

@@ -303,6 +303,7 @@ class CatalogueScreen(SavedSessions):
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
         """Show the list in focus, and details."""
+        self.set_class(isinstance(event.widget, Doors), "-in-doors")
         to_sessions = isinstance(event.widget, SessionList)
         if to_sessions is not self._in_sessions and not isinstance(event.widget, Details):
             self._in_sessions = to_sessions

@@ -42,7 +42,7 @@ _MARK: Final = 3  # columns before a title: a blank, the mark, a blank
 
 
 class ListRow(FullWidth):
-    """``mark``, ``title`` (shortened if needed) and ``size``."""
+    """``mark``, ``title`` (shortened if needed), and ``size`` if it fits beside the whole title."""
 
     def __init__(self, mark: str, title: str, size: str, look: Look) -> None:
         self._mark, self._title, self._size = mark, look.glyphs.spelled(title), look.glyphs.spelled(size)
@@ -51,8 +51,10 @@ class ListRow(FullWidth):
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         width, size = options.max_width, self._size
         room = max(1, width - _MARK - cell_len(size) - 1)
+        if cell_len(self._title) > room:  # a whole name says more
+            room, size = max(1, width - _MARK), ""
         title = shortened(self._title, room, self._look.glyphs.ellipsis)
-        gap = " " * max(1, width - _MARK - cell_len(title) - cell_len(size))
+        gap = " " * (width - _MARK - cell_len(title) - cell_len(size))
         # no colours here: the list has its own for the row under its cursor
         yield Text(f" {self._mark or ' '} {title}{gap}{size}", no_wrap=True)
 

@@ -164,10 +164,11 @@ WORLDS: Final = (WORLD, beside(WORLD))
 
 
 class Arrangement(NamedTuple):
-    """The panels' ``regions`` by id, and a map's ``cell``."""
+    """The panels' ``regions`` by id, a map's ``cell``, and whether the first row is the header."""
 
     regions: dict[str, Region]
     cell: Size
+    has_header: bool = True
 
 
 @dataclass
@@ -231,11 +232,13 @@ class ScreenPlan:
         self.foot -= 1
         if self.shows(CURVE):
             self.put(CURVE, Region(self.margin, self.foot, self.usable, 1))
-        drawing, cell = self.shape.drawing, Size(0, 0)
-        left = top = 0
+        drawing, cell, high = self.shape.drawing, Size(0, 0), self.foot
+        left, top = 0, int(self.room is ROOMY)
         if isinstance(drawing, Grid):
-            high = self.foot - 1 - bool(drawing.wind)
-            cell, picture = map_size(drawing, self.usable, high, is_broad=True, fills=True)
-            left, top = (self.usable - picture.width) // 2, (high - picture.height) // 2
-        self.put(world, Region(self.margin - 1 + left, top, self.usable + 1 - left, self.foot - top))
-        return Arrangement(self.regions, cell)
+            below = 1 + bool(drawing.wind)
+            cell, picture = map_size(drawing, self.usable, self.foot - below, is_broad=True, fills=True)
+            high = picture.height + below
+            left, top = (self.usable - picture.width) // 2, (self.foot - high + 1) // 2
+        region = Region(self.margin - 1 + left, top, self.usable + 1 - left, min(high, self.foot - top))
+        self.put(world, region)
+        return Arrangement(self.regions, cell, has_header=top > 0)

@@ -125,12 +125,12 @@ def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
 
 
 class PlainScrollBar(ScrollBarRender):
-    """A scroll bar of background colours only."""
+    """A scroll bar of whole cells: a part of one looks like a stray line."""
 
     VERTICAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.VERTICAL_BARS)
     HORIZONTAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.HORIZONTAL_BARS)
 
 
-def use_scroll_bars(*, ascii_only: bool) -> None:
-    """Draw all scroll bars in ASCII, or not."""
-    ScrollBar.renderer = PlainScrollBar if ascii_only else ScrollBarRender
+def use_plain_scroll_bars() -> None:
+    """Draw all scroll bars in whole cells."""
+    ScrollBar.renderer = PlainScrollBar

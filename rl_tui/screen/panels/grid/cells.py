@@ -242,9 +242,12 @@ class _Cell:
             self.canvas.put(0, last, below * width, blank)
 
     def _put_cursor(self) -> None:
-        for row in range(self.form.height - max(1, len(self._value_rows)), self.form.height):
+        has_frame = self.glyphs.braille and self.form.width >= 5
+        is_bare = not has_frame or self.face.kind is CellKind.WALL
+        rows = len(self._value_rows) or int(is_bare)  # a bar without a number looks like a value
+        for row in range(self.form.height - rows, self.form.height):
             self.canvas.restyle(0, row, self.form.inner, self.look.palette.focus)
-        if self.glyphs.braille and self.form.width >= 5:
+        if has_frame:
             put_frame(self.canvas, self.look.palette.you, self.look)
 
     def _put_trace_frame(self, colour: Style | None) -> None:

@@ -11,6 +11,7 @@ MOST_DIGITS_NEEDED: Final = 4  # −100, −12k
 _WITH_DIGITS: Final = 2  # mark and arrow beside a value in one row
 LEAST_ARROWS: Final = 2  # mark and arrow
 MOST_HEIGHT: Final = 5
+_HIGHEST: Final = 12  # rows of a cell that is not higher than wide
 _WITH_CORNER: Final = 10  # columns of a cell with two rows
 _LEAST_WITH_SEAM: Final = 5
 _LEAST_BLOCKS: Final = (7, 3)
@@ -133,7 +134,8 @@ def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LE
         # the map scrolls anyway, so separate long values from arrows
         least = _least_width(1, digits) + (digits > LEAST_DIGITS)
         return CellForm(max(least, min(8, width // columns)), 1, digits)
-    cell_height = min(MOST_HEIGHT, height // rows)
+    most = max(MOST_HEIGHT, min(_HIGHEST, (width // columns + 1) // 2))
+    cell_height = min(most, height // rows)
     if columns * _least_width(cell_height, digits) > width:
         return CellForm(width // columns, 1, digits)
     widest = max(8, 4 * cell_height + 2)  # characters are about twice as high as wide

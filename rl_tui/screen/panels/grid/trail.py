@@ -135,6 +135,11 @@ def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
     row = 0 if down < 0 else canvas.height - 1 if down else canvas.height // 3
     # next to the number in the middle
     column = 0 if right < 0 else canvas.width - len(sign) - (not right)
+    cuts = column > 0 and canvas.at(column, row).isalpha()
+    x = column - 1
+    while cuts and x >= 0 and canvas.at(x, row).isalpha():  # a word is whole or not at all
+        canvas.put_over(x, row, " ", Style.null())
+        x -= 1
     canvas.put(column, row, sign, style)
 
 

@@ -10,6 +10,7 @@ from rich.cells import cell_len, chop_cells
 from rich.style import Style
 
 from rl_tui.screen.draw.canvas import Line, Piece
+from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.screen.theme.look import Look
 
 _BULLET: Final = re.compile(r"\s{0,3}[-*•]\s+")
@@ -145,6 +146,6 @@ def _runs(text: str, style: Style, look: Look) -> Iterator[tuple[str, Style]]:
         if match[1] is not None:
             yield match[1], look.palette.strong
         else:
-            yield match[2], look.palette.press
+            yield match[2], look.palette.goal if match[2] == UNICODE.goal else look.palette.press
         end = match.end()
     yield text[end:], style

@@ -58,9 +58,10 @@ class MatrixForm:
         if not any(" " in name and cell_len(name) > self.field + _MARKS for name in names):
             return [self._heads(names)]
         parts = [name.rpartition(" ") for name in names]
-        return [self._heads([first for first, _, _ in parts]), self._heads([last for _, _, last in parts])]
+        above = self._heads([first for first, _, _ in parts])
+        return [above, self._heads([last for _, _, last in parts], names_states=False)]
 
-    def _heads(self, names: Sequence[str]) -> Pieces:
+    def _heads(self, names: Sequence[str], *, names_states: bool = True) -> Pieces:
         width, ellipsis = self.field + _MARKS, self.scene.look.glyphs.ellipsis
         text = " " * (self.label + _AROUND_LABEL)
         for name, following in zip(names, (*names[1:], ""), strict=True):
@@ -68,7 +69,8 @@ class MatrixForm:
             reach = self._column if cell_len(following) < width - 1 else width
             head = shortened(name, reach, ellipsis)
             text += padded(" " * ((width - cell_len(head)) // 2) + head, self._column)
-        name_head = self.scene.world.name_head(len(text) - len(text.lstrip()) - _AROUND_LABEL - 1)
+        room = len(text) - len(text.lstrip()) - _AROUND_LABEL - 1
+        name_head = self.scene.world.name_head(room) if names_states else ""
         text = f" {name_head}{text[1 + len(name_head) :]}"
         return [Segment(text, self.scene.look.palette.dim)]
 
