@@ -271,7 +271,7 @@ class _Cell:
         if kind is CellKind.HOLE and rows:
             self._put_block("ring", 2 * rows)
         elif kind is CellKind.GOAL and rows > _LEAST_ARROW:
-            self._put_block("star", min(2 * rows + 2, form.inner))
+            self._put_block("star", min(2 * rows + 2, form.inner - 1))
         elif kind is CellKind.GOAL and rows and self.face.reward is None:
             self._put_block("flag", 2 * rows)
         elif kind is not CellKind.CLIFF:
