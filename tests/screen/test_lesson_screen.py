@@ -444,7 +444,7 @@ async def test_the_world_alone_says_why_nothing_goes_on_and_how_all_panels_come_
         assert key_line(pilot).split()[:5] == ["enter", "page", "f", "all", "panels"]
         stopped = replace(now.playback, phase=Phase.STOPPED, message="the world fell apart")
         show(playground(pilot), replace(now, playback=stopped))
-        assert "stopped: the world fell apart" in page_panel(pilot).render_line(0).text
+        assert "stopped: the world fell apart" in playground(pilot).status.render_line(0).text
         await press(pilot, "f")
         assert "all panels" not in key_line(pilot)
 

@@ -391,6 +391,7 @@ class GridView(WorldView):
             yield LegendSign(SEVERAL, "tie", palette.strong)
         if actions is None and has_arrows:
             yield from letter_signs(self._map, self.look)
+        yield self.agent_sign()
         has_edges = actions is None and form is not None and form.width >= LEAST_ARROWS
         yield from ground_signs(self._map, self.look, has_edges=has_edges)
         if self._map.unreached:
@@ -399,7 +400,6 @@ class GridView(WorldView):
             yield LegendSign("#", "no room", palette.dim)
         if actions is None:
             yield from self.missing_table_signs()
-        yield self.agent_sign()
         if self.snapshot is not None and form is not None and not self._is_drawn:
             left = self._traces(self.snapshot)
             yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
