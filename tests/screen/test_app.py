@@ -136,7 +136,7 @@ async def test_escape_leaves_a_run_with_steps_only_when_pressed_again(make_app: 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     app = make_app("student", ascii=True)
     async with on_screen(app) as pilot:
-        assert "v  Q  Q*  visits - w h shows Q*" in screen_text(app)
+        assert "v  Q  Q* - w h shows Q*" in screen_text(app)
         assert screen_text(app).isascii()
         for panel in app.screen.query(BoardPanel):  # as after narrowing, until it is fitted again
             panel.write_border("x" * 200, "x" * 200, app.look)
