@@ -101,7 +101,7 @@ def test_bins_of_a_file(tmp_path: Path):
             ["solve", "gym:Blackjack-v1"],
             "gym:Blackjack-v1 has no exact values: this environment has no transition table",
         ),
-        (["train", "gym:Blackjak-v1"], 'gym:Blackjak-v1: found "Blackjak-v1"; expected the id of'),
+        (["train", "gym:Blackjak-v1"], 'gym:Blackjak-v1: no environment is registered as "Blackjak-v1"'),
         (["train", "gym:CartPole-v1"], "write a scenario file with [gymnasium.bins]"),
         (["train", "gym:Blackjack-v1", "--algorithm", "value-iteration"], "this environment has none"),
         (["bench", "gym:Blackjack-v1"], "choose a scenario such as frozenlake"),

@@ -88,7 +88,7 @@ def test_holes_can_be_breakpoints_and_walls_can_have_the_cursor() -> None:
     view = GridView(snapshot.world, LOOK)
     view.put_cursor(15)
     view.has_focus = True
-    assert marks(view.picture(snapshot, 40, 8), PALETTE.focus) == [(7, 31, " " * 8)]
+    assert [strip.text[30] + strip.text[39] for strip in view.picture(snapshot, 40, 8)[6:]] == ["▌▐", "▌▐"]
 
 
 def test_the_cursor_lights_the_row_of_the_value_and_frames_the_cell() -> None:
@@ -182,8 +182,8 @@ def test_arms_have_cursor_and_breakpoints() -> None:
     snapshot = stopping(bandit(500), pairs=(3,))
     view = pointing(ArmsView(snapshot.world, LOOK), 4, snapshot)
     strips = view.picture(snapshot, 40, 10)
-    assert marks(strips, PALETTE.breakpoint) == [(3, 3, "!")]
-    assert marks(strips, PALETTE.focus) == [(4, 2, "4")]
+    assert marks(strips, PALETTE.breakpoint) == [(3, 4, "!")]
+    assert marks(strips, PALETTE.focus) == [(4, 3, "4")]
     assert view.agent_place(snapshot) == 5
 
 

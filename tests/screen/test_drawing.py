@@ -187,8 +187,8 @@ async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_cor
     async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "w", "p")
         rows = picture(pilot)
-        assert "Phone?├" in rows
-        assert "│◉ Class?├" in rows
+        assert "Phone?  ─" in rows
+        assert "◉Class?  ─" in rows
         assert "│ 4.04 │" not in rows
         assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
         assert rows.count("?") == 2  # Pass has one action

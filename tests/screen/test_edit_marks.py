@@ -16,6 +16,7 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.runs.run import WorldChanged
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.text import COST
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.q_table.q_table import QTable
@@ -240,7 +241,7 @@ def test_what_is_optimal_is_claimed_of_the_present_world_alone() -> None:
 
 
 def test_a_gap_is_not_laid_to_exploring_while_episodes_are_of_another_world() -> None:
-    assert "gap" in drawn_curve(lake(), (80, 13))[1].heading
+    assert COST in drawn_curve(lake(), (80, 13))[1].heading
     last = lake().counters.episodes
     recent = replace(lake(), world_changes=(WorldChanged(10, last - 50, given_up=False),))
-    assert "gap" not in drawn_curve(recent, (80, 13))[1].heading
+    assert COST not in drawn_curve(recent, (80, 13))[1].heading

@@ -171,20 +171,16 @@ def shorter(legend: str) -> tuple[str, ...]:
     return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
 
 
-def stretch(first: int, shown: int, total: int) -> str:
-    """Write the visible rows, counted from 0."""
-    return f"{first}–{first + shown - 1} of {total:,}"
-
-
 def where(grid: Grid, part: MapPart, *, follows: bool, is_led: bool) -> tuple[str, ...]:
     """Describe the visible part, and how to follow the agent."""
     follow = FOLLOWS if follows else "" if is_led else FOLLOW_HINT
     ending = f" · {follow}" if follow else ""
     is_cut = part.rows < grid.rows, part.columns < grid.columns
-    in_view = stretch(part.top, part.rows, grid.rows), stretch(part.left, part.columns, grid.columns)
-    stretches = tuple(compress(in_view, is_cut))
-    named = " · ".join(map(" ".join, zip(compress(("rows", "columns"), is_cut), stretches, strict=True)))
-    brief = " · ".join(stretches)
+    sides = ("rows", part.top, part.rows, grid.rows), ("columns", part.left, part.columns, grid.columns)
+    in_view = [(f"{name} {first}–{first + shown - 1}", total) for name, first, shown, total in sides]
+    cut = list(compress(in_view, is_cut))
+    named = " · ".join(f"{shown} of {total:,}" for shown, total in cut)
+    brief = " · ".join(shown for shown, _ in cut)
     legends = shorter(grid.legend) if grid.legend and follows else ()
     return (
         *(f"{legend} · {named}" for legend in legends),
