@@ -147,8 +147,8 @@ def _drawn_star(star: _Star, unit: float) -> _Inside:
 
 
 def _flag(x: float, y: float) -> bool:
-    is_in_notch = x > 0.5 and -0.5 < y < 0.0
-    return abs(x) <= 1 and y > -1 and (x < -0.5 or (y < 0.5 and not is_in_notch))
+    is_pole, is_pennant = x < -0.6, abs(y + 0.25) <= (1 - x) / 2
+    return max(abs(x), abs(y)) <= 1 and (is_pole or is_pennant)
 
 
 def _star(x: float, y: float) -> bool:
