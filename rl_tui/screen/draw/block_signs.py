@@ -49,8 +49,8 @@ _SHAFT: Final = 0.32
 
 @lru_cache(1_024)
 def block_sign(name: SignName, columns: int, rows: int, direction: Direction = (0, 0)) -> tuple[str, ...]:
-    """Return a sign's rows. Arrows have a ``direction``, and fill their size. Other signs are centred."""
-    across, up = (columns / 2, rows) if name == "arrow" else (min(columns / 2, rows),) * 2
+    """Return a sign's rows. Arrows have a ``direction``. They and flags fill their size, other signs are centred."""
+    across, up = (columns / 2, rows) if name in ("arrow", "flag") else (min(columns / 2, rows),) * 2
     inside = _shape(name, direction, rows)
     if name == "star" and columns < _LEAST_BY_RULE:
         inside = next((_drawn_star(each, across) for each in _STARS if _fits(each, columns, rows)), inside)
@@ -147,7 +147,7 @@ def _drawn_star(star: _Star, unit: float) -> _Inside:
 
 
 def _flag(x: float, y: float) -> bool:
-    is_pole, is_pennant = x < -0.6, abs(y + 0.25) <= (1 - x) / 2
+    is_pole, is_pennant = x < -0.7, abs(y + 0.3) <= 0.45 * (1 - x)
     return max(abs(x), abs(y)) <= 1 and (is_pole or is_pennant)
 
 

@@ -273,7 +273,7 @@ class _Cell:
         elif kind is CellKind.GOAL and rows > _LEAST_ARROW:
             self._put_block("star", min(2 * rows + 2, form.inner - 1))
         elif kind is CellKind.GOAL and rows and self.face.reward is None:
-            self._put_block("flag", 2 * rows + 1)
+            self._put_block("flag", 2 * rows)
         elif kind is not CellKind.CLIFF:
             self.canvas.put((form.inner - 1) // 2, (form.height - 1) // 2, self._end_sign, self.ink)
 
