@@ -49,7 +49,6 @@ def test_a_low_star_is_set_by_hand_with_a_row_free_above_and_below() -> None:
 
 def test_other_signs_than_arrows_are_centred_in_their_rows() -> None:
     assert block_sign("ring", 4, 3) == ("▗▄▄▖", "█  █", "▝▀▀▘")
-    assert block_sign("flag", 4, 3) == ("█▙▄ ", "██▀▘", "▌   ")
 
 
 @pytest.mark.parametrize(

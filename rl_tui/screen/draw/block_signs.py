@@ -12,7 +12,7 @@ from typing import Final, Literal
 
 Direction = tuple[int, int]  # rows down and columns right, −1, 0 or 1 each
 Sign = Direction | str  # an arrow by its direction, or a letter
-SignName = Literal["agent", "arrow", "flag", "ring", "square", "star"]
+SignName = Literal["agent", "arrow", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 _Star = tuple[tuple[int, int], ...]
 
@@ -49,8 +49,8 @@ _SHAFT: Final = 0.32
 
 @lru_cache(1_024)
 def block_sign(name: SignName, columns: int, rows: int, direction: Direction = (0, 0)) -> tuple[str, ...]:
-    """Return a sign's rows. Arrows have a ``direction``. They and flags fill their size, other signs are centred."""
-    across, up = (columns / 2, rows) if name in ("arrow", "flag") else (min(columns / 2, rows),) * 2
+    """Return a sign's rows. Arrows fill their size. Other signs are centred."""
+    across, up = (columns / 2, rows) if name == "arrow" else (min(columns / 2, rows),) * 2
     inside = _shape(name, direction, rows)
     if name == "star" and columns < _LEAST_BY_RULE:
         inside = next((_drawn_star(each, across) for each in _STARS if _fits(each, columns, rows)), inside)
@@ -111,8 +111,6 @@ def _shape(name: SignName, direction: Direction, rows: int) -> _Inside:
             return lambda x, y: x * x + y * y <= 1.0
         case "ring":
             return lambda x, y: 0.30 <= x * x + y * y <= 0.95
-        case "flag":  # where a star has no shape
-            return _flag
         case "square":
             return lambda x, y: max(abs(x), abs(y)) <= 0.55
         case "star":
@@ -144,11 +142,6 @@ def _drawn_star(star: _Star, unit: float) -> _Inside:
         return 0 <= row < len(star) and star[row][0] <= 2 * unit * abs(x) < star[row][1]
 
     return inside
-
-
-def _flag(x: float, y: float) -> bool:
-    is_pole, is_pennant = x < -0.7, abs(y + 0.3) <= 0.45 * (1 - x)
-    return max(abs(x), abs(y)) <= 1 and (is_pole or is_pennant)
 
 
 def _star(x: float, y: float) -> bool:

@@ -15,7 +15,8 @@ from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
-from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist, Face
+from rl_tui.screen.panels.grid.cell import Face
+from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, CellExtra, MapPart
 from rl_tui.screen.panels.grid.marks import (
