@@ -92,7 +92,7 @@ class Grid:
         body: Body that these numbers belong to.
         walls: Cells with a wall to their right.
         name_parts: Meaning of the parts of a state's name, from long to short, or empty.
-        idle_cell: Cell of states in which nobody acts, or None.
+        idle_cell: Cell of states that never occur, or None.
     """
 
     rows: int

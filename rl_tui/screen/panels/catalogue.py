@@ -74,8 +74,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Q",
         "One row per state, one column per action, in the colours of the world. A frame marks the greedy "
         "action. ▐ marks the last update: ▴ the estimate rose, ▾ it fell. A dot means never tried. v shows "
-        "the exact Q*, the error Q−Q*, visits and the landscape. ‹ › mark values outside the scale. <.01 "
-        "and 0⁺ are almost 0.",
+        "the exact Q*, the error Q−Q*, visits and the landscape. <.01 and 0⁺ are almost 0.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
@@ -100,9 +99,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Timeline",
         "The run so far, from left to right. Drag the handle, or use the arrows, to go back: all panels "
         "show the run as it was then. Continue from there to repeat the run, or change something to begin "
-        "a branch. "
-        "★ first reward, ┃ new greedy policy, ◆ edited world, ▾ changed setting, ╍ your own steps, "
-        "┆ start of the branch.",
+        "a branch. ★ first reward, ┃ new greedy policy, ◆ edited world, ▾ changed setting, ╍ your own steps, "
+        "┆ start of the branch. ★ and ┃ appear where the title of Return has room to explain them.",
         caption="go back in the run",
         terms=("branch", "episode", "seed"),
         has_border=False,
@@ -220,8 +218,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.DISCOUNT,
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
-        "The exact value Q* of each action in one state, for γ from 0 to 1. The highest line is optimal. At "
-        "each flip point (vertical line) an optimal action changes: ◆ in this state, ┃ on the optimal path. "
+        "Q* of the best action in one state, with the action's sign, and of the second best, for γ from 0 to "
+        "1. v shows all actions. At each flip point (vertical line) an optimal action changes: ◆ in this "
+        "state, ┃ on the optimal path. "
         "● is the current γ. Arrows choose a flip point. enter moves γ to the other side of it. Limit: "
         "worlds of up to 100 states.",
         caption="where the optimal actions change",

@@ -427,12 +427,13 @@ class ReturnCurve(Panel, can_focus=True):
             is_plain = is_plain or data.is_of_steps or data.is_of_errors
             has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
             self._band = key, has_band
-        self.heading = self._headed(snapshot, data, plot, columns, width)
+        drawn = replace(data, greedy=plot.stepped(data.greedy))
+        self.heading = self._headed(snapshot, data, drawn, plot, columns, width)
         if self.hints:
             title = self.heading.partition(" · ")[0]
             self.heading = self.fitting([*(f"{title} · {each}" for each in self.hints), title], width)
         return draw_chart(
-            replace(data, greedy=plot.stepped(data.greedy)),
+            drawn,
             plot,
             columns,
             self.look,
@@ -455,7 +456,13 @@ class ReturnCurve(Panel, can_focus=True):
         return scale
 
     def _headed(
-        self, snapshot: Snapshot, data: CurveData, plot: Plot, columns: PlotColumns, width: int
+        self,
+        snapshot: Snapshot,
+        data: CurveData,
+        drawn: CurveData,
+        plot: Plot,
+        columns: PlotColumns,
+        width: int,
     ) -> str:
         glyphs, decimals = self.look.glyphs, decimals_of_labels(plot.scale)
         titles = heads(data, has_band=self._band[1])
@@ -469,7 +476,6 @@ class ReturnCurve(Panel, can_focus=True):
             titles = f"{titles[-1]} · {brief}", titles[-1]
         elif data.seeds:
             notes.insert(0, seed_remark(data.seeds, self.look))
-        drawn = replace(data, greedy=plot.stepped(data.greedy))
         has_figures = is_calm and snapshot.program is None
         notes.append(off_axis_note(drawn, plot, glyphs, decimals, with_figures=has_figures))
         notes.append(gap_note(data, plot))

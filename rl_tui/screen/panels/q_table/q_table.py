@@ -254,7 +254,7 @@ class QTable(Panel, can_focus=True):
         self.cursor_pair, self._following = None, True
         self._show_moved()
 
-    def foot_pieces(self, foot: str, look: Look) -> list[Segment]:
+    def foot_pieces(self, foot: str, look: Look) -> tuple[Segment, ...]:
         """Style keys, and the layer."""
         return footing_pieces(foot, self._named_layer, self.layer_choices, look)
 

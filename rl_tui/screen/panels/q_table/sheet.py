@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final
 
 from rich.segment import Segment
@@ -209,7 +210,8 @@ def key_column(footing: str) -> int:
     return footing.find(f"{_KEY} ")
 
 
-def footing_pieces(foot: str, layer: Layer, choices: Sequence[Layer], look: Look) -> Pieces:
+@lru_cache(64)
+def footing_pieces(foot: str, layer: Layer, choices: tuple[Layer, ...], look: Look) -> tuple[Segment, ...]:
     """Style the text below the table: its keys, and ``layer`` reversed."""
     palette = look.palette
     styles = [palette.dim] * len(foot)
@@ -219,7 +221,7 @@ def footing_pieces(foot: str, layer: Layer, choices: Sequence[Layer], look: Look
             styles[place : place + columns] = [palette.press] * columns
     for column in _places(foot, choices, look.glyphs).get(layer, ()):
         styles[column] = palette.dim + Style(reverse=True)
-    return list(Segment.simplify(Segment(*each) for each in zip(foot, styles, strict=True)))
+    return tuple(Segment.simplify(Segment(*each) for each in zip(foot, styles, strict=True)))
 
 
 def _places(text: str, choices: Sequence[Layer], glyphs: Glyphs) -> dict[Layer, range]:
