@@ -151,7 +151,7 @@ def test_an_environment_made_by_hand_has_its_notes_and_the_usual_defaults():
         ),
         ("gym:ALE/Pong-v5", r"gym:ALE/Pong-v5: no environment is registered as"),
         ("gym:os:FrozenLake-v1", "names a module, which is not imported"),
-        ("gym:", 'gym:: found ""; expected the id'),
+        ("gym:", 'gym:: no environment is registered as ""'),
         ("gym:x\x1b[2J", r"gym:x\\u001b\[2J: found one line|gym:x\\u001b\[2J: found"),
     ],
 )

@@ -21,7 +21,7 @@ TEXTS = " ".join(" ".join((ROOT / page).read_text(encoding="utf-8").split()) for
 
 
 def test_after_how_many_steps_the_fault_is_told_and_which_step_proves_it() -> None:
-    (said,) = {int(each.replace(",", "")) for each in re.findall(r"some ([\d,]+) steps\b", TEXTS)}
+    (said,) = {int(each.replace(",", "")) for each in re.findall(r"about ([\d,]+) steps\b", TEXTS)}
     (proof,) = re.findall(r"Step (\d+) is the first step onto the goal", TEXTS)
     with watched(ROOT / "docs/lake.py") as watcher:
         seen = 0

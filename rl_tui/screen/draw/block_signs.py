@@ -36,7 +36,7 @@ _PIXELS: Final = {  # five rows from above, three pixels each, as octal digits; 
 }
 _STARS: Final[
     tuple[_Star, ...]
-] = (  # half rows from above, from which to which half column beside the middle they are filled
+] = (  # half rows from above: first and last filled half column, counted from the middle
     ((0, 1), (0, 2), (0, 3), (0, 10), (0, 8), (0, 6), (0, 6), (2, 7), (4, 8), (6, 8)),
     ((0, 1), (0, 1), (0, 2), (0, 8), (0, 5), (0, 3), (1, 4), (3, 5)),
     ((0, 1), (0, 2), (0, 6), (0, 4), (1, 4), (3, 5)),

@@ -97,10 +97,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.TIMELINE,
         "rl_tui.screen.panels.timeline:TimelineBar",
         "Timeline",
-        "The run so far, from left to right. Drag the handle, or use the arrows, to go back: all panels "
-        "show the run as it was then. Continue from there to repeat the run, or change something to begin "
-        "a branch. ★ first reward, ┃ new greedy policy, ◆ edited world, ▾ changed setting, ╍ your own steps, "
-        "┆ start of the branch. ★ and ┃ appear where the title of Return has room to explain them.",
+        "The run so far. Drag the handle, or use the arrows, to go back: all panels show the run as it was. "
+        "Continue from there, or change something to begin a branch. ★ first reward, ┃ new greedy policy "
+        "(where Return has room for these words), ◆ edited world, ▾ changed setting, ╍ your own steps, "
+        "┆ start of the branch.",
         caption="go back in the run",
         terms=("branch", "episode", "seed"),
         has_border=False,
@@ -218,11 +218,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.DISCOUNT,
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
-        "Q* of the best action in one state, with the action's sign, and of the second best, for γ from 0 to "
-        "1. v shows all actions. At each flip point (vertical line) an optimal action changes: ◆ in this "
-        "state, ┃ on the optimal path. "
-        "● is the current γ. Arrows choose a flip point. enter moves γ to the other side of it. Limit: "
-        "worlds of up to 100 states.",
+        "Q* of the best and the second best action in one state, for γ from 0 to 1. v shows all actions. At "
+        "each flip point an optimal action changes: ◆ in this state, ┃ on the path. ● is the current γ. "
+        "Arrows choose a flip point. enter moves γ past it. Limit: worlds of up to 100 states.",
         caption="where the optimal actions change",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey(

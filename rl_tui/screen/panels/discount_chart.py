@@ -69,7 +69,7 @@ def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Loo
 
 
 def best_two(lines: Sequence[ActionLine], look: Look) -> list[ActionLine]:
-    """Return the value of the best action, with its sign at each γ, and that of the second best."""
+    """Return the two highest values at each γ, the best with the sign of its action."""
     values = np.array([np.nan_to_num(line.values, nan=-np.inf) for line in lines])
     signs = "".join(lines[place].sign for place in values.argmax(axis=0).tolist())
     ordered = np.sort(values, axis=0)[::-1]

@@ -68,7 +68,7 @@ class Glyphs:
     one_way: str = _in("«»∧∨", "<>^v")  # cells with one way out: left, right, up, down
     no_room: str = _in("▪", "#")  # in place of a number that does not fit
     beyond: str = _in("‹›", "<>")  # a value below or above the scale
-    differs: str = _in("◤", "x")  # greedy actions that differ from those of the run beside
+    differs: str = _in("◤", "x")  # greedy actions that differ between two runs
     turned: str = _in("↻", "T")  # the last edit changed the best actions of a state
     endless: str = _in("∞", "&")  # a state from which the episode may never end
     drafted: str = _in("╱", "/")  # fills a cell that is edited but not active

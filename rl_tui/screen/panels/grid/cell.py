@@ -160,7 +160,7 @@ class _Cell:
         width, last, blank = self.form.width - 1, self.form.height - 1, self._blank
         for row in range(last + 1):
             self.canvas.put_where_blank(width, row, right, blank)
-        # beside numbers it would look like a form
+        # next to numbers a seam looks like a blank to fill in
         if last >= 2 and self.face.kind in _ALIVE and self.canvas.is_blank(0, last, width):
             self.canvas.put(0, last, below * width, blank)
 
@@ -431,7 +431,7 @@ class _Cell:
         rows = self._plate_rows
         if not rows:
             text = f" {self.glyphs.agent} " if form.width >= _WITH_PLATE else self.glyphs.agent
-            self.canvas.put(int(5 <= form.width < _WITH_PLATE), 0, text, style)  # beside a frame
+            self.canvas.put(int(5 <= form.width < _WITH_PLATE), 0, text, style)
             return
         for row in range(1, 1 + rows):
             self.canvas.put(1, row, " " * (2 * rows + 2), style)

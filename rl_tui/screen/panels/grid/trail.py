@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _RECENT: Final = 16
 """Steps after which a visited cell is no longer recent."""
-_LEAST_BLANK: Final = 2 / 3  # of a row: fewer pieces of a frame are no line
+_LEAST_BLANK: Final = 2 / 3  # share of a row. In fewer pieces a frame forms no line
 _LEAST_PADDED: Final = 11  # columns of a cell
 _UNDERLINED: Final = Style(underline=True)
 

@@ -18,7 +18,7 @@ NOTHING_KNOWN: Final = "nothing learned yet"
 ALL_ZERO: Final = "0 so far"
 VEILED: Final = "hidden: w h shows it"
 _GAP: Final = "  "
-_WIDE: Final = 50  # columns; in fewer, signs need the room of a long scale
+_WIDE: Final = 50  # columns. In fewer, signs need the room of a long scale
 _MOST_KEPT: Final = 64  # the same line is drawn in every frame
 
 
