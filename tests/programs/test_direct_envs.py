@@ -86,6 +86,11 @@ def test_a_run_repeats_with_its_seed(tmp_path: Path) -> None:
     assert len(set(first.steps.state[first.steps.episode_step == 0])) == 3
 
 
+def test_its_methods_keep_their_names(tmp_path: Path) -> None:
+    text = f"{CORRIDOR}env = Corridor()\nprint(env.step.__name__, env.reset.__name__)\n"
+    assert lines_of(watched(script_in(tmp_path, text))) == ["step reset"]
+
+
 def test_a_state_that_the_program_sets_is_where_its_step_begins(tmp_path: Path) -> None:
     text = """\
     import gymnasium as gym

@@ -124,6 +124,7 @@ class DirectEnvs:
                 result = self.call(method, env, frame, getattr(cls, method), (arguments, more))
                 return self.answer(frame, method, result)
 
+            call.__name__ = method
             return call
 
         def reduce(env: Any, protocol: Any) -> Any:
