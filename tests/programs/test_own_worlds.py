@@ -361,6 +361,29 @@ def test_a_method_with_another_name_is_the_step_if_only_it_changes_the_object(
     check_q_learning(log, "q", "array", 0.1, 0.9)
 
 
+def test_a_function_attached_to_a_class_may_be_its_step(tmp_path: Path) -> None:
+    text = LOOKS.replace("{change}", "self.place = ahead").replace("{step}", "proceed")
+    inside, rest = text.split("    def play"), "    {more}\n"
+    body, after = inside[1].split(rest)
+    function = "def proceed" + body.replace("\n        ", "\n    ")
+    text = f"{function}{inside[0]}    proceed = proceed\n{after}"
+    log = watched(script_in(tmp_path, text), steps=1_500)
+    assert [each.id for each in log.environments] == ["World"]
+    check_q_learning(log, "q", "array", 0.1, 0.9)
+
+
+def test_a_class_compiled_with_the_name_of_a_file_with_other_lines_is_left(tmp_path: Path) -> None:
+    text = """\
+    source = "class World:\\n def reset(self): pass\\n def proceed(self, action): return 1, 2, 3"
+    print(1 + (
+        2
+    ))
+    exec(compile(source, __file__, "exec"))
+    """
+    log = watched(script_in(tmp_path, text))
+    assert (log.error, lines_of(log)) == (None, ["3"])
+
+
 def test_a_list_of_actions_tells_a_table_from_one_with_actions_first(tmp_path: Path) -> None:
     text = field(PAIR).replace("actions =", "action = ['n', 's', 'w', 'e']; actions =")
     text = text.replace("(3, row)", "(4, row)") + learning(

@@ -8,6 +8,7 @@ import inspect
 import linecache
 import sys
 import time
+import tokenize
 import weakref
 from collections.abc import Callable
 from functools import wraps
@@ -376,10 +377,11 @@ def _looks_like_a_step(function: FunctionType) -> bool:
     code = function.__code__
     if code.co_argcount < 2 or not ACTION_NAME.search(code.co_varnames[1]):
         return False
-    lines = inspect.getblock(linecache.getlines(code.co_filename)[code.co_firstlineno - 1 :])
-    try:
-        nodes = list(ast.walk(ast.parse("".join(("if True:\n", *lines)))))  # they are indented
-    except SyntaxError:
+    lines = linecache.getlines(code.co_filename)[code.co_firstlineno - 1 :]
+    head = "if True:\n" if lines and lines[0][0].isspace() else ""
+    try:  # the lines may be those of another source, which was compiled with this file's name
+        nodes = list(ast.walk(ast.parse("".join((head, *inspect.getblock(lines))))))
+    except (SyntaxError, tokenize.TokenError, ValueError, RecursionError, MemoryError):
         return False
     returned = [each.value for each in nodes if isinstance(each, ast.Return)]
     changed = [each for each in nodes if isinstance(getattr(each, "ctx", None), ast.Store)]
