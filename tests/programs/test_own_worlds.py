@@ -384,6 +384,25 @@ def test_a_class_compiled_with_the_name_of_a_file_with_other_lines_is_left(tmp_p
     assert (log.error, lines_of(log)) == (None, ["3"])
 
 
+@pytest.mark.parametrize(
+    ("state", "setting"),
+    [(INT, "Q[10] = 0.0"), ("'end' if row == 0 and column == 3 else 4 * row + column", "Q['end'] = 0.0")],
+)
+@pytest.mark.parametrize(
+    ("row", "row2", "form"),
+    [
+        ("dict.fromkeys(world.actions, 0.0)", "Q[s2].values()", "dict-of-dicts"),
+        ("[0.0] * 4", "Q[s2]", "dict-of-arrays"),
+    ],
+)
+def test_an_entry_that_is_not_a_row_is_left_out(
+    row: str, row2: str, form: str, state: str, setting: str, tmp_path: Path
+) -> None:
+    table = f"Q = {{state: {row} for state in range(16)}}; {setting}"
+    text = field(state) + learning(table, row2, "Q[s][a]") + f"    {setting}\n"
+    check_q_learning(watched(script_in(tmp_path, text), steps=1_500), "Q", form, 0.25, 0.9)
+
+
 def test_a_list_of_actions_tells_a_table_from_one_with_actions_first(tmp_path: Path) -> None:
     text = field(PAIR).replace("actions =", "action = ['n', 's', 'w', 'e']; actions =")
     text = text.replace("(3, row)", "(4, row)") + learning(

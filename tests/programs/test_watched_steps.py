@@ -93,6 +93,10 @@ _CASES: Mapping[str, tuple[str, str, str, str]] = {
         flat="[[q[i, b] for b in range(4)] for i in range(16)]",
         row="q[s2, b] for b in range(4)",
     ),
+    "dict of lists and a number": _case(
+        _LAKE + "q = {i: [0.0] * 4 for i in range(15)}; q[15] = 0.0",
+        *("q[s][a]", "[q[i] if i < 15 else [np.nan] * 4 for i in q]", "q[s2] if s2 < 15 else [0.0]"),
+    ),
     "large array": _case(_TAXI + "q = np.zeros((500, 6))"),
     "large lists": _case(_TAXI + "q = [[0.0] * 6 for _ in range(500)]", "q[s][a]", _LISTS),
     "large dict of arrays": _case(_TAXI + "q = {i: np.zeros(6) for i in range(500)}", "q[s][a]", _ARRAYS),

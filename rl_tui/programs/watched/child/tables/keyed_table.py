@@ -319,12 +319,12 @@ class KeyedTable(HeldTable):
         return known[key]
 
     def _compare(self, table: Any, state: int, found: list[float]) -> None:
+        before = self._numbers.get(state)
         try:
             row = self._row(table, state)
+            numbers = _numbers(row) if row is not None else before and [NAN] * self.actions
         except (LookupError, TypeError, ValueError):
             return
-        before = self._numbers.get(state)
-        numbers = _numbers(row) if row is not None else before and [NAN] * self.actions
         if numbers and numbers != before and len(numbers) == self.actions:
             add_differences(state * self.actions, zip(self.row(state), numbers, strict=True), found)
             self._numbers[state] = numbers
