@@ -97,6 +97,16 @@ _CASES: Mapping[str, tuple[str, str, str, str]] = {
         _LAKE + "q = {i: [0.0] * 4 for i in range(15)}; q[15] = 0.0",
         *("q[s][a]", "[q[i] if i < 15 else [np.nan] * 4 for i in q]", "q[s2] if s2 < 15 else [0.0]"),
     ),
+    "lists of tuples": _case(
+        _LAKE + "q = [(0.0,) * 4 for _ in range(16)]",
+        *("row[a]", _LISTS),
+        update="row = list(q[s]); {}; q[s] = tuple(row)",
+    ),
+    "lists of arrays of one number": _case(
+        _LAKE + "q = [[np.zeros(1) for b in range(4)] for _ in range(16)]",
+        *("x", "[[x.item() for x in row] for row in q]"),
+        update="x = q[s][a].copy(); {}; q[s][a] = x",
+    ),
     "large array": _case(_TAXI + "q = np.zeros((500, 6))"),
     "large lists": _case(_TAXI + "q = [[0.0] * 6 for _ in range(500)]", "q[s][a]", _LISTS),
     "large dict of arrays": _case(_TAXI + "q = {i: np.zeros(6) for i in range(500)}", "q[s][a]", _ARRAYS),
@@ -134,6 +144,16 @@ _CASES: Mapping[str, tuple[str, str, str, str]] = {
     ),
     "blackjack": _case(
         "env = gym.make('Blackjack-v1')\nq = np.zeros((32, 11, 2, 2))", "q[s][a]", "q.reshape(-1, 2).tolist()"
+    ),
+    "blackjack, lists in order": _case(
+        "env = gym.make('Blackjack-v1'); at = lambda s: (s[0] * 11 + s[1]) * 2 + s[2]\n"
+        "q = [[0.0, 0.0] for _ in range(704)]",
+        *("q[at(s)][a]", _LISTS, "q[at(s2)]"),
+    ),
+    "blackjack, objects in order": _case(
+        "env = gym.make('Blackjack-v1'); at = lambda s: (s[0] * 11 + s[1]) * 2 + s[2]\n"
+        "q = np.zeros((704, 2), object)",
+        *("q[at(s), a]", _ROWS.format("q"), "q[at(s2)]"),
     ),
 }
 

@@ -87,22 +87,30 @@ def form_of(value: Any, numbering: Numbering) -> HeldTable | None:
         is_fit = value.shape == (*numbering.parts, numbering.actions) and value.dtype.kind in "fiu"
         return ArrayTable(numbering) if is_fit else None
     try:
-        found = shape_of(value, _examples(value, numbering), None if is_met else numbering)
+        is_flat = _is_flat(value, numbering)
+        found = shape_of(value, _examples(value, numbering, is_flat), None if is_met else numbering)
     except (LookupError, TypeError, ValueError, AttributeError):
         return None
     if found is None or found.actions > numbering.actions:
         return None
     if found.shape in _ROWS and not (numbering.are_actions_places and found.actions == numbering.actions):
         return None
-    if found.shape in _BY_PLACE and not is_met and sizes_of(value)[:-1] != numbering.parts:
+    needs_fit, parts = found.shape in _BY_PLACE and not (is_met or is_flat), numbering.parts
+    if needs_fit and sizes_of(value)[: len(parts)] != parts:
         return None  # a larger one may be anything
-    return KeyedTable(numbering, found.shape, found.has_texts)
+    return KeyedTable(numbering, found.shape, found.has_texts, is_flat)
 
 
-def _examples(value: Any, numbering: Numbering) -> list[Any]:
+def _is_flat(value: Any, numbering: Numbering) -> bool:
+    """Return True if observations have several parts, but rows are listed by the number of the state."""
+    is_listed = numbering.is_tuple and type(value) in (list, np.ndarray)
+    return is_listed and len(value) == numbering.states != numbering.parts[0]
+
+
+def _examples(value: Any, numbering: Numbering, is_flat: bool) -> list[Any]:
     some = numbering.met[-_MOST_EXAMPLES:]
     if type(value) in (list, np.ndarray):
-        return [numbering.place(each) for each in some]
+        return [each if is_flat else numbering.place(each) for each in some]
     if isinstance(numbering, MetNumbering) or not issubclass(type(value), dict):
         return [numbering.key(each) for each in some]
     keys = islice(dict.keys(value), _MOST_EXAMPLES)
@@ -216,14 +224,16 @@ def _shape_of_pairs(
 class KeyedTable(HeldTable):
     """A table of `shape`, read by its states, or by their texts. Reading adds nothing to it."""
 
-    def __init__(self, numbering: Numbering, shape: KeyShape, has_texts: bool) -> None:
+    def __init__(self, numbering: Numbering, shape: KeyShape, has_texts: bool, is_flat: bool = False) -> None:
         super().__init__(numbering)
         self.name, self._shape, self._has_texts = shape.value, shape, has_texts
         self._is_met = isinstance(numbering, MetNumbering)
         self._has_rows, self._is_by_place = shape in _ROWS, shape in _BY_PLACE
         self._has_parts = shape in (KeyShape.PAIRS, KeyShape.FLAT)
         self.is_compared_whole = self.is_compared_whole and not self._is_met
-        key = numbering.place if self._is_by_place else self._key_of
+        self._is_by_number = is_flat or not numbering.is_tuple
+        place = parts_of if is_flat else numbering.place
+        key = place if self._is_by_place else self._key_of
         self._key = key if self._is_met and self._has_parts else cache(key)  # its actions become known later
         self._states_by_key: dict[Any, int | None] = {}
 
@@ -291,7 +301,7 @@ class KeyedTable(HeldTable):
     def _changed_states(self, table: Any) -> Iterable[int]:
         """Return the states whose rows may have changed, all if it is not known which entry is whose."""
         is_dict = issubclass(type(table), dict)
-        is_known = is_dict or (type(table) is list and not self.numbering.is_tuple)
+        is_known = is_dict or (type(table) is list and self._is_by_number)
         if self._is_met or self._has_texts or not is_known:
             return self.numbering.met
         entries = list(dict.values(table) if is_dict else table)
