@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from rich.cells import cell_len
@@ -39,7 +39,7 @@ from rl_tui.screen.panels.curve.area import (
     says_something,
 )
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, is_over, unit_of
-from rl_tui.screen.panels.curve.seed_band import seed_cells, seed_remark, with_room_for
+from rl_tui.screen.panels.curve.seed_band import lane_cells, seed_cells, seed_remark, with_room_for
 from rl_tui.screen.panels.curve.text import (
     AGENT,
     BEST_ARM,
@@ -67,51 +67,7 @@ from rl_tui.screen.panels.curve.text import (
 from rl_tui.screen.panels.policies.studied import policy_ink, studied_answer
 from rl_tui.screen.panels.timeline import event_notes, events_of
 from rl_tui.screen.theme.look import Look, Palette
-from rl_tui.worlds.mdp.space import BoolArray, IntArray
-
-# Lines: for several runs, and for one run over the band of many seeds
-
-
-_MARKS_APART: Final = 16  # columns between two numbers on a line
-
-
-class LaneCells(NamedTuple):
-    """Characters (0: none), and lines: −1 none, 0 greedy, n run n."""
-
-    codes: IntArray
-    line: IntArray
-
-
-def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
-    """Draw all means and the greedy line."""
-    if look.glyphs.braille:
-        layers = np.stack([plot.braille_line(line) for line in data.lines])
-        layers[layers == braille.BLANK] = 0
-    else:
-        dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
-        signs = [ord("o"), *(ord(str(number)) for number in range(1, len(data.lines)))]
-        layers = dots * np.array(signs)[:, None, None]
-    there = layers > 0
-    in_front = there.copy()
-    # a greedy line that jumps between policies would cover the runs
-    in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
-    line = braille.in_turns(in_front)
-    codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
-    codes[line < 0] = 0
-    if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
-        _mark(codes, line, there)
-    return LaneCells(codes, line)
-
-
-def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
-    lanes = len(there) - 1
-    for number in range(1, lanes + 1):
-        first = (number - 1) * _MARKS_APART // lanes + 1
-        for column in range(first, codes.shape[1], _MARKS_APART):
-            rows = np.flatnonzero(there[number, :, column])
-            if len(rows):
-                codes[rows[0], column], line[rows[0], column] = ord(str(number)), number
-
+from rl_tui.worlds.mdp.space import IntArray
 
 # The chart
 
@@ -212,7 +168,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look, hidden:
     first = _CELLS - 1  # runs are counted from 1
     bands, whose = seed_cells(plot, data.seeds, look)
     codes[bands > 0], kind[bands > 0] = bands[bands > 0], first + runs + whose[bands > 0]
-    cells = lane_cells(plot, data, look)
+    cells = lane_cells(plot, data.lines, look, are_runs=bool(data.lanes))
     there = cells.line >= 0
     codes[there] = cells.codes[there]
     kind[there] = np.where(cells.line[there] == 0, _GREEDY, first + cells.line[there])

@@ -1,10 +1,10 @@
-"""The band of many seeds."""
+"""The band of many seeds, and the lines of runs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from rl_tui.screen.panels.curve.moving_mean import moving_mean
 from rl_tui.screen.panels.seed_figures import LAST_100, decimals_of, estimate_text, last_100_of, until_of
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import Estimate
-from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 _ERRORS: Final = 2.0  # standard errors on either side of the mean
 _FULL: Final = 0x28FF
@@ -109,3 +109,47 @@ def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
         f"{which}: {means}",
         band,
     )
+
+
+# Lines of several runs, and of one run over its band
+
+
+_MARKS_APART: Final = 16  # columns between two numbers on a line
+
+
+class LaneCells(NamedTuple):
+    """Characters (0: none), and lines: −1 none, 0 greedy, n run n."""
+
+    codes: IntArray
+    line: IntArray
+
+
+def lane_cells(plot: Plot, lines: Sequence[Steps], look: Look, *, are_runs: bool) -> LaneCells:
+    """Draw the greedy line and all means. Runs get numbers where colours do not distinguish them."""
+    if look.glyphs.braille:
+        layers = np.stack([plot.braille_line(line) for line in lines])
+        layers[layers == braille.BLANK] = 0
+    else:
+        dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in lines])
+        signs = [ord("o"), *(ord(str(number)) for number in range(1, len(lines)))]
+        layers = dots * np.array(signs)[:, None, None]
+    there = layers > 0
+    in_front = there.copy()
+    # a greedy line that jumps between policies would cover the runs
+    in_front[0] &= ~(there[1:].any(axis=0) & (there[0].sum(axis=0) > 1))
+    line = braille.in_turns(in_front)
+    codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
+    codes[line < 0] = 0
+    if are_runs and look.glyphs.braille and not look.palette.tells_lanes_apart:
+        _mark(codes, line, there)
+    return LaneCells(codes, line)
+
+
+def _mark(codes: IntArray, line: IntArray, there: BoolArray) -> None:
+    lanes = len(there) - 1
+    for number in range(1, lanes + 1):
+        first = (number - 1) * _MARKS_APART // lanes + 1
+        for column in range(first, codes.shape[1], _MARKS_APART):
+            rows = np.flatnonzero(there[number, :, column])
+            if len(rows):
+                codes[rows[0], column], line[rows[0], column] = ord(str(number)), number
