@@ -25,7 +25,7 @@ ABOUT_ROWS: Final = 3
 CURRENT: Final = " (current)"
 NOT_HERE: Final = "not here: "
 _UNAVAILABLE: Final = "not available"
-_MOVE: Final = "↑ ↓ or a number: choose"
+_MOVE: Final = "↑ ↓: choose"
 _CLOSE: Final = "esc: close"
 _WIDE: Final = "   "
 _MOST_COLUMNS: Final = 90
@@ -319,8 +319,8 @@ class Form(Dialog[Any]):
     def _feet(self) -> tuple[str, ...]:
         """The keys below, widest form first."""
         parts = [part for part in (self._keys, f"enter: {self._does}", _CLOSE) if part]
-        whole = (_WIDE.join([_MOVE, *parts]),) if self.candidates else ()
-        return *whole, _WIDE.join(parts), "  ".join(parts)
+        whole = [_MOVE, *parts[:-2], f"enter or a number: {self._does}", _CLOSE] if self.candidates else parts
+        return _WIDE.join(whole), _WIDE.join(parts), "  ".join(parts)
 
     def _named(self, candidate: Candidate) -> str:
         return self._spelled(f"{candidate.name}{CURRENT if candidate.id == self.current else ''}")
