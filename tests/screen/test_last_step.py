@@ -85,7 +85,7 @@ def test_one_line_holds_what_happened_and_the_update() -> None:
     assert drawn(lake_step(), 30) == [" now = .379  δ +.194"]
 
 
-@pytest.mark.parametrize(("width", "remark"), [(80, ": the target is the estimate"), (45, "")])
+@pytest.mark.parametrize(("width", "remark"), [(80, ": target = estimate"), (45, "")])
 def test_a_target_that_is_the_estimate_is_told_in_words(width: int, remark: str) -> None:
     lines = drawn(lake_step(before=0.0, bootstrap=0.0), width, 7)
     assert lines[1].strip().startswith(f"nothing to learn{remark}")

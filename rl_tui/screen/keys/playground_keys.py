@@ -64,7 +64,7 @@ _RUN: Final[tuple[Action, ...]] = (
         "run.episode", "e", "episode", "Run one episode, or one pass of a planner.", rank=2, takes_steps=True
     ),
     Action("time.step_back", "b", "back", "Go back one step.").also(
-        rank=3, is_first=True, entry=("b B", "back"), aliases="undo step", stays=True
+        rank=3, is_first=True, entry=("b B", "back"), aliases="undo rewind", stays=True
     ),
     Action(
         "time.episode_back", "B", "episode start", "Go back to the start of the episode.", entry=_NO_ENTRY
@@ -100,7 +100,7 @@ _RUN: Final[tuple[Action, ...]] = (
     ),
     Action("view.next_layer", "v", "view", "Show another view of world and table.", rank=4, aliases="layer"),
     Action("view.zoom", "f", "full screen", "Show only the panel in focus, or all again.").also(
-        rank=14, aliases="zoom projector big", keeps_page=True
+        rank=14, aliases="zoom projector kiosk big", keeps_page=True
     ),
     Action("manual.toggle", "y", "you act", "Take the agent's steps yourself.").also(
         rank=15,
@@ -200,13 +200,13 @@ _COMPARE: Final[tuple[Action, ...]] = (
         "c a",
         "another algorithm",
         "Compare with another algorithm, under the same seed.",
-    ).also(aliases="lane beside", takes_steps=True),
+    ).also(aliases="side by side lane", takes_steps=True),
     Action(
         "lanes.another_setting", "c s", "another setting", "Compare with a run that differs in one setting."
-    ).also(aliases="lane beside", takes_steps=True, not_for_program=DECIDES),
+    ).also(aliases="side by side lane", takes_steps=True, not_for_program=DECIDES),
     Action(
         "lanes.another_seed", "c n", "another seed", "Compare with the same run under the next seed."
-    ).also(aliases="lane beside luck", takes_steps=True, not_for_program=_ITS_SEED),
+    ).also(aliases="side by side lane luck", takes_steps=True, not_for_program=_ITS_SEED),
     Action("lanes.another_branch", "c b", "a branch", "Compare with another branch of this run.").also(
         takes_steps=True, not_for_program="your program has one branch. c a: an agent beside it"
     ),

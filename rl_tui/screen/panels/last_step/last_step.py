@@ -182,7 +182,7 @@ class StepWriter:
         is_idle = self.words.estimate and self._story.has_equation and self._last.td_error == 0.0
         if others or not is_idle:
             return [*others]
-        return ["nothing to learn: the target is the estimate", "nothing to learn"]
+        return ["nothing to learn: target = estimate", "nothing to learn"]
 
     # The update
 
