@@ -97,6 +97,11 @@ _CASES: Mapping[str, tuple[str, str, str, str]] = {
         _LAKE + "q = {i: [0.0] * 4 for i in range(15)}; q[15] = 0.0",
         *("q[s][a]", "[q[i] if i < 15 else [np.nan] * 4 for i in q]", "q[s2] if s2 < 15 else [0.0]"),
     ),
+    "dict of pairs and an array": _case(
+        _LAKE + "q = {(i, b): 0.0 for i in range(16) for b in range(4)}; q['seen'] = np.zeros(16)",
+        flat="[[q[i, b] for b in range(4)] for i in range(16)]",
+        row="q[s2, b] for b in range(4)",
+    ),
     "lists of tuples": _case(
         _LAKE + "q = [(0.0,) * 4 for _ in range(16)]",
         *("row[a]", _LISTS),

@@ -305,7 +305,7 @@ class KeyedTable(HeldTable):
         if self._is_met or self._has_texts or not is_known:
             return self.numbering.met
         entries = list(dict.values(table) if is_dict else table)
-        kinds: set[type] = set() if self._has_parts else set(map(type, entries))
+        kinds = set(map(type, entries))
         if np.ndarray in kinds:
             entries = list(map(np.ndarray.tobytes if len(kinds) == 1 else _comparable, entries))
         if self._read is table and entries == self._entries:
