@@ -250,7 +250,7 @@ def test_holes_and_the_goal_look_as_they_do_beside_values() -> None:
     rows = "".join(drawn(with_actions(snapshot), snapshot, 40, 8))
     assert (rows.count("●"), rows.count("★")) == (4, 1)
     rows = "".join(drawn(with_actions(snapshot), snapshot, 60, 12))
-    assert (rows.count("▗▄▄▖"), rows.count("███▄")) == (4, 1)
+    assert (rows.count("▗▄▄▖"), rows.count("▀████▀")) == (4, 1)
 
 
 def test_numbers_of_states_stand_in_a_corner_if_all_have_room() -> None:

@@ -123,6 +123,8 @@ def _arrow(down: int, right: int, rows: int) -> _Inside:
 
     def inside(x: float, y: float) -> bool:
         along, beside = x * right + y * down, abs(x * down) + abs(y * right)
+        if rows < 3 and right and along < -0.75 and beside < 0.5:
+            return False  # a notch, so that a low arrow does not look like a plug
         if rows < _LEAST_SHAFT:
             return abs(along) <= 1 and beside <= (1 - along) / 2 + (0.12 if rows < 3 else 0.06)
         if along < -0.1:

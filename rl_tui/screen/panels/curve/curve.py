@@ -93,9 +93,8 @@ def draw_chart(
     size: tuple[int, int],
     *,
     has_band: bool,
-    hidden: frozenset[str] = frozenset(),
 ) -> list[Strip]:
-    """Draw the chart in ``size`` (columns, rows), without the signs ``hidden``."""
+    """Draw the chart in ``size`` (columns, rows)."""
     width, height = size
     canvas = Canvas(width, height, look.palette.text)
     decimals = decimals_of_labels(plot.scale)
@@ -107,9 +106,9 @@ def draw_chart(
     if data.furthest:
         _draw_numbers(canvas, plot, look)
         if data.lanes or (data.seeds and plot.rows >= LEAST_WITH_LINES):
-            _draw_lines(canvas, plot, data, look, hidden)
+            _draw_lines(canvas, plot, data, look)
         else:
-            _draw_area(canvas, plot, data, look, has_band=has_band, hidden=hidden)
+            _draw_area(canvas, plot, data, look, has_band=has_band)
     else:
         _put_message(canvas, plot, nothing_yet(data), look)
     for label, row in _rows_of(names[: plot.rows], plot):
@@ -129,9 +128,7 @@ def _draw_numbers(canvas: Canvas, plot: Plot, look: Look) -> None:
         canvas.put(max(0, LEFT - 1 - len(text)), plot.row(value), text, look.palette.dim)
 
 
-def _draw_area(
-    canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_band: bool, hidden: frozenset[str]
-) -> None:
+def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_band: bool) -> None:
     area, palette = area_of(plot, data.mean), look.palette
     if has_band:
         codes, pixels = band_cells(plot, middle_half(plot, data.curve, data.mean), data.mean)
@@ -145,23 +142,22 @@ def _draw_area(
         _put_greedy(codes, kind, plot, data.greedy, look)
         _drop_remnants(codes, kind, plot, data)
     for row, columns, sign in zip((-1, 0), (area.below, area.above), look.glyphs.off_axis, strict=True):
-        if sign not in hidden:
-            codes[row, columns], kind[row, columns] = ord(sign), _OUTLIER
-    if has_lines and look.glyphs.off_axis[0] not in hidden:
+        codes[row, columns], kind[row, columns] = ord(sign), _OUTLIER
+    if has_lines:
         _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
     if has_band:
         ground = pixels % 4
         bands = ([each] * 4 for each in band_styles(palette))
         styles = [*_styles(data, palette, pixel_styles(palette)), *bands]
     else:
-        shades = area_styles(palette, plot.rows)
+        shades = area_styles(palette, plot.rows) if look.glyphs.braille else (palette.episodes,) * plot.rows
         is_covered = (kind == _CELLS) | ((area.eighths == FULL) & look.glyphs.braille)
         ground = is_covered * np.arange(1, plot.rows + 1)[:, None]
         styles = [*_styles(data, palette, shades), [palette.episodes, *shades]]
     _put_cells(canvas, plot, codes, kind, ground, styles)
 
 
-def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look, hidden: frozenset[str]) -> None:
+def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
     codes, kind = np.zeros((2, plot.rows, plot.columns), dtype=np.int64)
     _put_behind(codes, kind, plot, data, look)
     palette, runs = look.palette, len(data.lines) - 1
@@ -173,7 +169,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look, hidden:
     codes[there] = cells.codes[there]
     kind[there] = np.where(cells.line[there] == 0, _GREEDY, first + cells.line[there])
     _drop_remnants(codes, kind, plot, data)
-    for number, line in enumerate(data.lines if look.glyphs.off_axis[0] not in hidden else ()):
+    for number, line in enumerate(data.lines):
         _put_outliers(codes, kind, plot, line, first + number if number else _GREEDY, look)
     inks = palette.lanes[:runs] if data.lanes else (palette.episodes,)
     dimmed = [style + Style(dim=True) for style in inks] if data.lanes else [palette.dim]
@@ -395,7 +391,6 @@ class ReturnCurve(Panel, can_focus=True):
             self.look,
             (width, height),
             has_band=self._band[1],
-            hidden=self.unexplained,
         )
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
@@ -441,7 +436,7 @@ class ReturnCurve(Panel, can_focus=True):
         head = self.fitting(titles[1:] if notes and len(titles) > 2 else titles, width)
         for note in notes:
             head = self.fitting([f"{head} · {form}" for form in note], width) or head
-        signs = *glyphs.off_axis, *(events_of(self.look) if self.is_explained else ())
+        signs = events_of(self.look) if self.is_explained else ()
         self.unexplained = frozenset(sign for sign in signs if f" {sign} " not in head)
         return head
 

@@ -31,6 +31,7 @@ from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind
 
 LEADS: Final = 4
+NO_VALUE: Final = "0"
 _LEAST_ARROW: Final = 2  # columns and rows of a block arrow
 _LEAST_FRAMED: Final = (4, 2)  # columns and rows of a cell
 _LEAST_APART: Final = 4  # columns of a cell whose signs do not touch
@@ -105,7 +106,8 @@ class _Cell:
             self._draw_sign()
             form, rows = self.form, self._value_rows
             for y, text in enumerate(rows, form.height - len(rows)):
-                self.canvas.put(self._centred(len(text)), y, text, self.ink + _BOLD)
+                ink = self.ink if text == NO_VALUE else self.ink + _BOLD
+                self.canvas.put(self._centred(len(text)), y, text, ink)
 
     def _centred(self, length: int) -> int:
         """Return where a text starts: blocks leave the seam out, letters and numbers have one axis."""

@@ -13,7 +13,7 @@ from rl_tui.screen.draw.canvas import Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.layers import veiled
 from rl_tui.screen.kit.value_scale import ValueScale
-from rl_tui.screen.panels.grid.cell import LEADS, Face, drawn_cell
+from rl_tui.screen.panels.grid.cell import LEADS, NO_VALUE, Face, drawn_cell
 from rl_tui.screen.panels.grid.form import CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, CellContent
 from rl_tui.screen.panels.grid.marks import CellReward, clear_lead, reward_text, value_text
@@ -50,7 +50,7 @@ class CellArtist:
 
     def drawn(self, face: Face) -> Drawn:
         """Return a cell's rows. Other digits share a cached drawing."""
-        if not face.text or self.form.has_block_values:
+        if not face.text or face.text == NO_VALUE or self.form.has_block_values:
             return self._drawn(face)
         digits, place = _DIGIT * len(face.text), self.form.value_row
         rows = self._drawn(face._replace(text=digits))
@@ -81,7 +81,7 @@ class CellArtist:
         if is_veiled:
             text = veiled(self.look.glyphs)
         elif abs(cell.value) < numbers.NEGLIGIBLE:
-            text = "0" if cell.known else ""
+            text = NO_VALUE if cell.known else ""
         else:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
             text = self.look.glyphs.no_room if "#" in text else text
