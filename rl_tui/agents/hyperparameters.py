@@ -31,11 +31,11 @@ class Range:
 
     @property
     def in_words(self) -> str:
-        """Text such as ``above 0, at most 1`` or ``of 0 or more``."""
+        """Text such as ``above 0 and at most 1`` or ``of 0 or more``."""
         low, high = (_for_people(end) for end in (self.low, self.high))
         if math.isinf(self.high):
             return f"above {low}" if self.open_low else f"of {low} or more"
-        return f"above {low}, at most {high}" if self.open_low else f"from {low} to {high}"
+        return f"above {low} and at most {high}" if self.open_low else f"from {low} to {high}"
 
     def __str__(self) -> str:
         closing = ")" if math.isinf(self.high) else "]"
@@ -95,12 +95,12 @@ class Parameter:
 
     @property
     def expected_in_words(self) -> str:
-        """Allowed values: ``a number above 0, at most 1, or sample-average``."""
+        """Allowed values: ``a number above 0 and at most 1, or sample-average``."""
         kind = "a whole number" if self.whole else "a number"
         words = " or ".join(self.words)
         if self.range is None:
             return words
-        comma = "," if words and "," in self.range.in_words else ""
+        comma = "," if words and " and " in self.range.in_words else ""
         return f"{kind} {self.range.in_words}" + (f"{comma} or {words}" if words else "")
 
     @property

@@ -150,7 +150,7 @@ async def test_numbers_are_typed_and_what_cannot_be_is_refused_in_words(make_app
     async with on_screen(make_app("maze"), (120, 40)) as pilot:
         await press(pilot, "w", "d")
         await tap(pilot, "3", "enter", *"1.2", "enter")
-        assert notes(pilot.app)[-1] == "noise stays 0: 1.2 is not a number from 0 to 1"
+        assert notes(pilot.app)[-1] == "noise stays 0: type a number from 0 to 1, not '1.2'"
         assert slider(pilot.app, "noise").has_focus
         await tap(pilot, "2", "-", *".04", "enter")
         assert map_drawn(pilot).rules["step_reward"] == -0.04

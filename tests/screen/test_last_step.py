@@ -286,15 +286,17 @@ def heading(snapshot: Snapshot) -> str:
 def test_it_says_whether_an_action_was_greedy_or_random() -> None:
     assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=False) == "Last step · the greedy action"
     assert choice([0.0, 0.0, 0.0, 0.0], 2, explored=False) == "Last step · one of 4 tied greedy actions"
-    explored = "Last step · a random action, like 1 in 10"
+    explored = "Last step · a random action (1 step in 10)"
     assert choice([0.5, 0.1, 0.2, 0.3], 1, explored=True) == explored
     assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=True) == f"{explored}, by chance the greedy one"
 
 
-@pytest.mark.parametrize(("epsilon", "share"), [(0.25, "1 in 4"), (0.15, "15 %"), (1.0, "all")])
+@pytest.mark.parametrize(
+    ("epsilon", "share"), [(0.25, "1 step in 4"), (0.15, "15 % of steps"), (1.0, "every step")]
+)
 def test_how_many_actions_are_random(epsilon: float, share: str) -> None:
     assert heading(lake_step(explored=True, epsilon=epsilon)).startswith(
-        f"Last step · a random action, like {share}"
+        f"Last step · a random action ({share})"
     )
 
 

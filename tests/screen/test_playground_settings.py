@@ -60,7 +60,7 @@ async def test_a_value_or_a_slider_that_is_none_is_told_and_enter_and_escape_giv
     async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "3", "enter", *"30.4", "tab")
         assert pilot.app.focused is slider(pilot.app, "epsilon")
-        assert notes(pilot.app) == ["ε stays 0.1: 30.4 is not a number from 0 to 1"]
+        assert notes(pilot.app) == ["ε stays 0.1: type a number from 0 to 1, not '30.4'"]
         await press(pilot, "1")
         assert pilot.app.focused is slider(pilot.app, "alpha")
         assert notes(pilot.app) == []

@@ -185,12 +185,12 @@ def test_what_may_be_typed(text: str, value: float | str) -> None:
 
 @pytest.mark.parametrize("text", ["", "0", "1.01", "-0.1", "nan", "inf", "x", "1/2"])
 def test_what_is_no_step_size_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="is not a number above 0, at most 1, or sample-average"):
+    with pytest.raises(ValueError, match="type a number above 0 and at most 1, or sample-average, not "):
         parsed(text, ALPHA)
 
 
 def test_words_belong_to_their_parameter() -> None:
-    with pytest.raises(ValueError, match="is not a number from 0 to 1"):
+    with pytest.raises(ValueError, match="type a number from 0 to 1, not "):
         parsed("1/n", GAMMA)
     with pytest.raises(ValueError, match="has only words as values"):
         Slider(look(), PARAMETERS["ties"], "random")

@@ -149,8 +149,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.last_step.last_step:LastStepPanel",
         "Last step",
         "One step: the action, its result, and the update in numbers. The heading shows how the action was "
-        "chosen. The bar compares δ, the TD error, with the range of all estimates. It points to the left "
-        "if δ is negative. If a step changes many estimates, the panel shows one and counts the others.",
+        "chosen. The bar shows δ, the TD error, and points to the left if δ is negative. A quarter of the "
+        "range of all estimates fills one side. If a step changes many estimates, the panel shows one and "
+        "counts the others.",
         caption="action, result and update",
         terms=(
             *("td-error", "target", "bootstrap", "alpha", "gamma"),

@@ -136,7 +136,7 @@ def parsed(text: str, parameter: Parameter) -> float | str:
     except ValueError:
         value = math.nan
     if not parameter.accepts(value):
-        raise ValueError(f"{text or 'nothing'} is not {parameter.expected_in_words}")
+        raise ValueError(f"type {parameter.expected_in_words}, not {text!r}")
     return value
 
 

@@ -51,7 +51,7 @@ HIDDEN_OPTIMUM: Final = ("w h: show the optimal return", "w h: optimal")
 KEPT_BACK: Final = ("exact values: hidden by the lesson", "exact values: hidden")
 
 COST: Final = "cost of exploring"
-COST_AT_PAUSE: Final = (f"{COST}: when paused",)
+COST_AT_PAUSE: Final = (f"{COST}: pause to see",)
 EXACT_COST_BY_KEY: Final = "t p: exact"
 NO_LINE_WITHOUT_TABLE: Final = ("no greedy line: your program has no table", "no table: no greedy line")
 NO_LINE_WITHOUT_END: Final = (

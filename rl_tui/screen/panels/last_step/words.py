@@ -142,7 +142,7 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
         return _chosen_by_policy(story, glyphs)
     if last.explored:
         luck = ", by chance the greedy one" if last.pair in best else ""
-        return f"a random action, like {_share(last.epsilon)}{luck}", f"random{luck}", "random"
+        return f"a random action ({_share(last.epsilon)}){luck}", f"random{luck}", "random"
     if len(best) > 1:
         return f"one of {len(best)} tied greedy actions", f"greedy, {len(best)} tied", "greedy"
     return "the greedy action", "greedy"
@@ -150,10 +150,10 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
 
 def _share(epsilon: float) -> str:
     if not 0.0 < epsilon < 1.0:
-        return "all"
+        return "every step"
     one_in = 1.0 / epsilon
     is_whole = abs(one_in - round(one_in)) < numbers.NEGLIGIBLE
-    return f"1 in {one_in:,.0f}" if is_whole else numbers.percent(epsilon)
+    return f"1 step in {one_in:,.0f}" if is_whole else f"{numbers.percent(epsilon)} of steps"
 
 
 def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
