@@ -94,7 +94,7 @@ def test_where_there_are_no_ticks_letters_do(folder: Path, evening: Path) -> Non
         (("{all}",), "is a session: name its lesson after the file"),
         (
             ("{folder}",),
-            "Missing option '--scenario', the world of the agents. To grade sessions, add their lesson",
+            "To grade an agent, add its world: --scenario NAME. To grade sessions, add their lesson",
         ),
         (("{all}", "{lesson}", "--seeds", "3"), "--seeds works only for submissions"),
         (("{all}", "{lesson}", "--scenario", "student"), "--scenario works only for submissions"),

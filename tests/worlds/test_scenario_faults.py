@@ -185,7 +185,7 @@ ONE_FAULT = {
         (
             "mdp.start",
             "nothing",
-            "the name of a state, or a table of states and probabilities, at most 10,000",
+            "the name of a state, or a table of at most 10,000 states and their probabilities",
         ),
     ),
     "an empty start": (
@@ -270,8 +270,8 @@ ONE_FAULT = {
         '[gymnasium]\nid = "CartPole-v1"\n',
         (
             "gymnasium.id",
-            "the states of CartPole-v1 are a Box of 4 real numbers; write a "
-            "scenario file with [gymnasium.bins], which divides them into states",
+            "CartPole-v1 returns 4 real numbers (a Box), not numbered states; write a "
+            "scenario file with [gymnasium.bins], which turns them into states",
             "",
         ),
     ),

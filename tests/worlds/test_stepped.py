@@ -361,8 +361,8 @@ def test_it_is_closed_when_nobody_holds_it():
         (
             {"observation_space": spaces.Box(0.0, 1.0, (2, 2))},
             "id",
-            "the states of Scripted-v0 are a Box of 4 real numbers; "
-            "write a scenario file with .gymnasium.bins., which divides them into states",
+            "Scripted-v0 returns 4 real numbers .a Box., not numbered states; "
+            "write a scenario file with .gymnasium.bins., which turns them into states",
         ),
     ],
 )

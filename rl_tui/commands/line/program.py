@@ -55,6 +55,10 @@ class Program(click.Group):
             raise click.UsageError(f"unknown command {name!r}{'; ' if hint else ''}{hint}", ctx)
         return super().resolve_command(ctx, args)
 
+    def _command_in(self, args: Sequence[str] | None) -> str:
+        name = next(iter(sys.argv[1:] if args is None else args), "")
+        return f"rl-tui {name}" if name in self.modules else "rl-tui"
+
     def _hint(self, name: str) -> str:
         from rl_tui.commands.line.key_on_screen import key_on_screen
 
@@ -81,7 +85,7 @@ class Program(click.Group):
                 raise UserError("stdout: cannot be written (it is closed)")
             sys.stdout.flush()
         except click.UsageError as fault:
-            where = fault.ctx.command_path if fault.ctx else "rl-tui"
+            where = fault.ctx.command_path if fault.ctx else self._command_in(args)
             problem = " ".join(fault.format_message().split())  # choices come one a line
             listed = "commands" if where == "rl-tui" else "options"
             if isinstance(fault, click.NoSuchOption):

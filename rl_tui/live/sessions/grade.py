@@ -218,6 +218,11 @@ class LessonGrading:
 
 def sessions_to_grade(target: Path) -> list[Path]:
     """Return the file, or a folder's sessions by name. Raises UserError for none, or more than 1,000."""
+    if not target.exists():
+        raise UserError(
+            f"{shown(str(target))}: no such file or folder; "
+            f"expected a folder of sessions, or the {SUFFIX} file of one"
+        )
     if not target.is_dir():
         return [target]
     files = files_in(target)

@@ -76,8 +76,10 @@ def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTa
         return _curve_of_csv(path, text)
     try:
         document = json.loads(text, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError) as error:
-        raise UserError(f"{path}: not JSON ({one_line(str(error), _LONGEST)}); expected {_WANTED}") from error
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise UserError(f"{path}: not a file of results; expected {_WANTED}") from error
+    except ValueError as error:
+        raise UserError(f"{path}: {one_line(str(error), _LONGEST)}; expected {_WANTED}") from error
     return results_of(document, str(path))
 
 

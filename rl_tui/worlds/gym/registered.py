@@ -330,8 +330,8 @@ def _states_of(name: str, environment: Env[Any, Any], bins: BinsSection | None) 
     space = environment.observation_space
     if isinstance(space, Box):
         if bins is None:
-            found = f"the states of {name} are a Box of {math.prod(space.shape)} real numbers"
-            fix = "write a scenario file with [gymnasium.bins], which divides them into states"
+            found = f"{name} returns {math.prod(space.shape)} real numbers (a Box), not numbered states"
+            fix = "write a scenario file with [gymnasium.bins], which turns them into states"
             raise WorldRefusedError(("id",), f"{found}; {fix}")
         return bins.states(name, space)
     if bins is not None:

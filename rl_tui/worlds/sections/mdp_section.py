@@ -260,7 +260,7 @@ def _reached_from(starts: Iterable[str], arrows: Sequence[Arrows]) -> set[str]:
 # The table
 
 
-_AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
+_TABLE: Final = f"a table of at most {MOST_STATES_WRITTEN:,} states"
 PLACE_FORM: Final = f"[column, row], whole numbers from 0 to {LARGEST_PLACE}"
 """The form of a state's place in the drawing."""
 _COLUMN_OR_ROW: Final = whole_number(0, LARGEST_PLACE)
@@ -316,7 +316,7 @@ class TransitionEntry(FileSection):
     to: Annotated[
         dict[Name, Destination],
         AfterValidator(_sums_to_one),
-        Expect(f"a table of states and probabilities{_AT_MOST}", _STATES),
+        Expect(f"{_TABLE} and their probabilities", _STATES),
         BeforeValidator(_certain),
     ]
 
@@ -346,7 +346,7 @@ class MDPSection(WorldSection):
     start: Annotated[
         dict[Name, Probability],
         AfterValidator(_sums_to_one),
-        Expect(f"the name of a state, or a table of states and probabilities{_AT_MOST}", _STATES),
+        Expect(f"the name of a state, or {_TABLE} and their probabilities", _STATES),
         BeforeValidator(_certain),
     ]
     time_limit: Annotated[int, whole_number(0, LONGEST_TIME_LIMIT)] = 0
@@ -358,11 +358,11 @@ class MDPSection(WorldSection):
                 Expect(PLACE_FORM, is_place),
             ],
         ],
-        Expect(f"a table of states and their [column, row]{_AT_MOST}", _STATES),
+        Expect(f"{_TABLE} and their [column, row]", _STATES),
     ] = Field(default_factory=dict)
-    seen_as: Annotated[
-        dict[Name, Name], Expect(f"a table of states and what they are seen as{_AT_MOST}", _STATES)
-    ] = Field(default_factory=dict)
+    seen_as: Annotated[dict[Name, Name], Expect(f"{_TABLE} and what they are seen as", _STATES)] = Field(
+        default_factory=dict
+    )
     transition: Annotated[
         list[TransitionEntry],
         Expect(f"1 to {MOST_TRANSITIONS:,} tables [[mdp.transition]]", sized(list, MOST_TRANSITIONS, 1)),

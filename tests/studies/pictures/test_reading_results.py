@@ -84,7 +84,7 @@ def test_values_at_equal_ratios_stand_on_a_logarithmic_axis(
 
 
 FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
-    "no JSON": ("hello", "not JSON"),
+    "no JSON": ("hello", "not a file of results"),
     "NaN": ('{"curve": {"episode": [NaN]}}', "NaN is not a number"),
     "a list": (list, "not a JSON object"),
     "something else": (lambda: {"a": 1}, "contains neither a curve nor a sweep"),

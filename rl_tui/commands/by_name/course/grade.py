@@ -146,7 +146,7 @@ def _what_is_missing(target: str) -> str:
             "rl-tui grade SESSION.json q-by-hand"
         )
     return (
-        "Missing option '--scenario', the world of the agents. To grade sessions, add their lesson: "
+        "To grade an agent, add its world: --scenario NAME. To grade sessions, add their lesson: "
         "rl-tui grade FOLDER LESSON"
     )
 
