@@ -319,7 +319,7 @@ class Form(Dialog[Any]):
     def _feet(self) -> tuple[str, ...]:
         """The keys below, widest form first."""
         parts = [part for part in (self._keys, f"enter: {self._does}", _CLOSE) if part]
-        whole = [_MOVE, *parts[:-2], f"enter or a number: {self._does}", _CLOSE] if self.candidates else parts
+        whole = [_MOVE, *parts[:-2], f"a number or enter: {self._does}", _CLOSE] if self.candidates else parts
         return _WIDE.join(whole), _WIDE.join(parts), "  ".join(parts)
 
     def _named(self, candidate: Candidate) -> str:
