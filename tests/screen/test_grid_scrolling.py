@@ -90,7 +90,7 @@ def test_a_legend_stands_below_a_map_with_the_part_in_view() -> None:
     view.picture(snapshot, 110, 10)
     assert view.footing.startswith("angle down, speed across · rows 0–9 of 40")
     view.picture(snapshot, 30, 10)
-    assert view.footing == "0–9 of 40 · 0–5 of 40"
+    assert view.footing == "rows 0–9 · columns 0–5"
     view.keep_in_view(0)
     view.picture(snapshot, 30, 10)
     assert view.footing == "esc: follow the agent"

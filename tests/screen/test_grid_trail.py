@@ -242,7 +242,7 @@ def test_which_part_is_in_view_is_told_rather_than_the_wind() -> None:
     snapshot = in_wind(windy(), 10, RIGHT)
     view = GridView(snapshot.world, look())
     view.picture(snapshot, 24, 2)
-    assert view.footing == "1–2 of 3 · 0–3 of 5"
+    assert view.footing == "rows 1–2 · columns 0–3"
     view.picture(snapshot, 34, 2)
     assert view.footing == "rows 1–2 of 3 · follows the agent"
     view.picture(snapshot, 42, 2)

@@ -157,13 +157,10 @@ class Board(Container):
         self.controls.marks_all_flips = self.opened == DISCOUNT
         self.timeline.sought = self._wanted.step
         learned, pair = as_learned(snapshot), self._pair.panels if self._pair.is_shown else []
-        shown = list(self._shown())
-        for panel in shown:
+        for panel in self._shown():
             if isinstance(panel, WorldView):
                 panel.names_policies_key = self.opened != POLICIES
                 panel.replaces_header = self.caption.replaces_header
-            if panel is self.timeline:
-                self.timeline.unexplained = self.curve.unexplained if self.curve in shown else frozenset()
             if panel not in pair:
                 panel.show(learned if isinstance(panel, WorldView | QTable) else snapshot)
         if pair:

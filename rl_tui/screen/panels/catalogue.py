@@ -98,9 +98,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.timeline:TimelineBar",
         "Timeline",
         "The run so far. Drag the handle, or use the arrows, to go back: all panels show the run as it was. "
-        "Continue from there, or change something to begin a branch. ★ first reward, ┃ new greedy policy "
-        "(where Return has room for these words), ◆ edited world, ▾ changed setting, ╍ your own steps, "
-        "┆ start of the branch.",
+        "Continue from there, or change something to begin a branch. ★ first reward, ┃ new greedy policy, "
+        "◆ edited world, ▾ changed setting, ╍ your own steps, ┆ start of the branch.",
         caption="go back in the run",
         terms=("branch", "episode", "seed"),
         has_border=False,

@@ -78,12 +78,11 @@ class Track:
 
 @dataclass(frozen=True, slots=True)
 class TimelineState:
-    """The displayed state. The handle is ``at`` a step before the run gets there. ``hidden``: marks."""
+    """The displayed state. The handle is ``at`` a step before the run gets there."""
 
     snapshot: Snapshot
     at: int
     focused: bool = False
-    hidden: frozenset[str] = frozenset()
 
     @property
     def unit(self) -> str:
@@ -171,8 +170,7 @@ def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[st
         (glyphs.fork_mark, palette.strong, [] if branch.parent is None else [track.cell_of(branch.fork)]),
         (glyphs.world_mark, palette.strong, changed[WorldChange]),
     )
-    shown = [event for event in events if event[0] not in state.hidden]
-    return {cell: (mark, style) for mark, style, cells in shown for cell in cells if cell < track.cells}
+    return {cell: (mark, style) for mark, style, cells in events for cell in cells if cell < track.cells}
 
 
 def event_notes(snapshot: Snapshot, look: Look, width: int) -> tuple[str, ...]:
@@ -181,12 +179,12 @@ def event_notes(snapshot: Snapshot, look: Look, width: int) -> tuple[str, ...]:
         return ()
     state = TimelineState(snapshot, snapshot.timeline.current.here)
     marks = {mark for mark, _style in _marks(state, track_of(snapshot, look, width), look).values()}
-    words = events_of(look)
+    words = _events_of(look)
     forms = [[f"{sign} {words[sign][form]}" for sign in words if sign in marks] for form in (0, 1)]
     return (", ".join(forms[0]), ", ".join(forms[1]), *forms[1]) if forms[0] else ()
 
 
-def events_of(look: Look) -> dict[str, tuple[str, str]]:
+def _events_of(look: Look) -> dict[str, tuple[str, str]]:
     """Return the marks that need a word beside the timeline, in full and in short."""
     return {
         look.glyphs.goal: ("first reward", "reward"),
@@ -268,8 +266,6 @@ class TimelineBar(Draggable, Panel, can_focus=True):
             f"{glyphs.fork_mark} branch begins"
         )
         self.sought: int | None = None
-        self.unexplained: frozenset[str] = frozenset()
-        """Marks to leave out, because no word beside the timeline explains them."""
 
     @property
     def at(self) -> int:
@@ -281,7 +277,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         rows = [Strip.blank(width, self.look.palette.text)] * height
         if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
             return rows
-        state = TimelineState(snapshot, self._at(snapshot.timeline), self.has_focus, self.unexplained)
+        state = TimelineState(snapshot, self._at(snapshot.timeline), self.has_focus)
         return [timeline_strip(state, self.look, width), *rows[1:]]
 
     # Keys

@@ -65,7 +65,7 @@ from rl_tui.screen.panels.curve.text import (
     steps_note,
 )
 from rl_tui.screen.panels.policies.studied import policy_ink, studied_answer
-from rl_tui.screen.panels.timeline import event_notes, events_of
+from rl_tui.screen.panels.timeline import event_notes
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import IntArray
 
@@ -312,8 +312,6 @@ class ReturnCurve(Panel, can_focus=True):
     _band: tuple[object, bool] = (None, False)
     _hints: Words = ()
     _unit = "episode"
-    unexplained: frozenset[str] = frozenset()
-    """Marks of curve and timeline for which the heading has no room."""
 
     def begin_with(self, recipe: Recipe) -> None:
         """Set the title before the first snapshot."""
@@ -369,7 +367,6 @@ class ReturnCurve(Panel, can_focus=True):
         data = curve_data(snapshot)
         scale = self._settled(data, snapshot)
         if height == 1:
-            self.unexplained = frozenset(events_of(self.look) if self.is_explained else ())
             return strips_of([self._row(data, scale, width)], width, 1, self.look)
         columns = plot_columns(snapshot, self.look, width)
         plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
@@ -436,8 +433,6 @@ class ReturnCurve(Panel, can_focus=True):
         head = self.fitting(titles[1:] if notes and len(titles) > 2 else titles, width)
         for note in notes:
             head = self.fitting([f"{head} · {form}" for form in note], width) or head
-        signs = events_of(self.look) if self.is_explained else ()
-        self.unexplained = frozenset(sign for sign in signs if f" {sign} " not in head)
         return head
 
     def _row(self, data: CurveData, scale: Scale, width: int) -> Line:
