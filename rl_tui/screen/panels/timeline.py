@@ -179,17 +179,12 @@ def event_notes(snapshot: Snapshot, look: Look, width: int) -> tuple[str, ...]:
         return ()
     state = TimelineState(snapshot, snapshot.timeline.current.here)
     marks = {mark for mark, _style in _marks(state, track_of(snapshot, look, width), look).values()}
-    words = _events_of(look)
-    forms = [[f"{sign} {words[sign][form]}" for sign in words if sign in marks] for form in (0, 1)]
-    return (", ".join(forms[0]), ", ".join(forms[1]), *forms[1]) if forms[0] else ()
-
-
-def _events_of(look: Look) -> dict[str, tuple[str, str]]:
-    """Return the marks that need a word beside the timeline, in full and in short."""
-    return {
+    words = {
         look.glyphs.goal: ("first reward", "reward"),
         look.glyphs.policy_mark: ("new greedy policy", "new policy"),
     }
+    forms = [[f"{sign} {words[sign][form]}" for sign in words if sign in marks] for form in (0, 1)]
+    return (", ".join(forms[0]), ", ".join(forms[1]), *forms[1]) if forms[0] else ()
 
 
 _SETTINGS: Final = Setting | OrderSweep

@@ -86,13 +86,7 @@ _NOTHING, _CHANGE, _OPTIMUM, _STUDIED, _OUTLIER, _GREEDY, _CELLS = range(7)
 
 
 def draw_chart(
-    data: CurveData,
-    plot: Plot,
-    columns: PlotColumns,
-    look: Look,
-    size: tuple[int, int],
-    *,
-    has_band: bool,
+    data: CurveData, plot: Plot, columns: PlotColumns, look: Look, size: tuple[int, int], *, has_band: bool
 ) -> list[Strip]:
     """Draw the chart in ``size`` (columns, rows)."""
     width, height = size
@@ -378,17 +372,7 @@ class ReturnCurve(Panel, can_focus=True):
             self._band = key, has_band
         drawn = replace(data, greedy=plot.stepped(data.greedy))
         self.heading = self._headed(snapshot, data, drawn, plot, columns, width)
-        if self.hints:
-            title = self.heading.partition(" · ")[0]
-            self.heading = self.fitting([*(f"{title} · {each}" for each in self.hints), title], width)
-        return draw_chart(
-            drawn,
-            plot,
-            columns,
-            self.look,
-            (width, height),
-            has_band=self._band[1],
-        )
+        return draw_chart(drawn, plot, columns, self.look, (width, height), has_band=self._band[1])
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
         if (shows := (data.is_of_steps, data.is_of_errors)) != self._shows:
@@ -414,6 +398,8 @@ class ReturnCurve(Panel, can_focus=True):
     ) -> str:
         glyphs, decimals = self.look.glyphs, decimals_of_labels(plot.scale)
         titles = heads(data, has_band=self._band[1])
+        if self.hints:
+            return self.fitting([*(f"{titles[-1]} · {each}" for each in self.hints), titles[-1]], width)
         # at full speed, numbers would change in every frame
         is_calm = not passes_too_fast(snapshot)
         notes: list[Words] = [remark(snapshot, data, glyphs, decimals, with_figures=is_calm)]
