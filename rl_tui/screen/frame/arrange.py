@@ -48,11 +48,8 @@ _BESIDE_PAGE: Final = 12  # rows of curve and table beside a lesson page at the 
 _LEAST_SCROLLING: Final = {MEDIUM: 1, ROOMY: 4}  # least rows of the lower band: sliders
 _BELOW_A_WORLD: Final = 19  # rows of a panel below the world, beside a page of a lesson
 _BELOW_LANES: Final = 18  # rows below the worlds of two runs that leave space for tables
-_UPPER: Final = {
-    SMALL: 18,
-    MEDIUM: 13,
-    ROOMY: 16,
-}  # rows of the upper band if the table needs them beside a low map
+# rows of the upper band if the table needs them beside a low map
+_UPPER: Final = {SMALL: 18, MEDIUM: 13, ROOMY: 16}
 _MOST_CURVE: Final = 16
 _CURVE_BESIDE_PANEL: Final = {MEDIUM: 5, ROOMY: 10}  # most rows, not to outgrow the map
 _LAST_STEP: Final = 8  # rows of the full text

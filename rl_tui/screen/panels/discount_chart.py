@@ -181,12 +181,13 @@ def _draw_lines(
     dot = 1.0 / (braille.DOTS_ACROSS * plot.columns)  # the width of one dot, so that lines stay thin
     dots = np.arange(0.0, 1.0, dot)
     passes = list[BoolArray]()
+    signs = [[ord(each) for each in _signs(line, gammas, plot)] for line in lines]
     codes = np.zeros((len(lines), plot.rows, plot.columns), dtype=np.int64)
     for number, line in enumerate(lines):
         values = np.interp(dots + 0.5 * dot, gammas, line.values, right=np.nan)
         drawn = plot.braille_line(Steps(dots, dots + dot, values, values))
         passes.append(drawn > braille.BLANK)
-        codes[number] = drawn if look.glyphs.braille else [ord(each) for each in _signs(line, gammas, plot)]
+        codes[number] = drawn if look.glyphs.braille else signs[number]
     there = np.stack(passes)
     whose = (
         braille.in_turns(there)
@@ -194,12 +195,12 @@ def _draw_lines(
         else np.where(there.any(axis=0), there.argmax(axis=0), -1)
     )
     shown = np.take_along_axis(codes, np.maximum(whose, 0)[None], axis=0)[0]
-    for number, line in enumerate(lines if look.glyphs.braille else ()):
+    for number in range(len(lines) if look.glyphs.braille else 0):
         first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
+        is_seen = passes[number] if len(lines) > _IN_FRONT else whose == number
         for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
-            is_seen = passes[number] if len(lines) > _IN_FRONT else whose == number
             at = np.flatnonzero(is_seen[:, column])[:1], column
-            shown[at], whose[at] = ord(_signs(line, gammas, plot)[column]), number
+            shown[at], whose[at] = signs[number][column], number
     for row, column in np.argwhere(whose >= 0).tolist():
         style = lines[whose[row, column]].style
         canvas.put(plot.left + column, row, chr(shown[row, column]), style)
