@@ -101,6 +101,10 @@ def test_a_bar_far_beyond_the_others_is_cut() -> None:
     assert texts == ["‹█████│", "  ████│", "    ██│", "      │"]
 
 
+def test_bars_are_in_proportion_where_the_best_is_far_above_the_others() -> None:
+    assert axis_of([0.014, 0.068, 0.74]) == (0.0, 0.74)
+
+
 def test_seeds_are_marked_above_their_mean_and_its_error() -> None:
     spread = SeedMarks(np.array([0.0, 0.5, 0.5, 1.0]), 0.0, 0.5, 0.25, (0.0, 1.0), ("0", "1"), STYLE)
     lines = ["".join(piece.text for piece in line) for line in spread.lines(13, look())]

@@ -140,7 +140,7 @@ def test_a_policy_has_one_colour_in_names_bars_and_curve() -> None:
     panel = policies.Policies(look())
     shown = studied(lake(), PolicyKind.GREEDY)
     text = {
-        (segment.text.strip(" ‹›"), segment.style.color)
+        (segment.text.strip(" ‹"), segment.style.color)
         for strip in panel.picture(shown, 70, 36)
         for segment in strip
         if segment.style is not None and segment.text.strip()

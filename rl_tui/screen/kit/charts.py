@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -31,8 +32,8 @@ class Bar:
         halves = max(int(self.value != 0.0), round(2.0 * abs(self.value) * per_cell))
         cells, half = divmod(min(2 * room, halves), 2)
         bar = glyphs.bar * cells + glyphs.half_bar[is_left] * half
-        if bar and not low <= self.value <= high:
-            bar = bar[:-1] + glyphs.beyond[not is_left]
+        if self.value < low:
+            bar = bar[:-1] + glyphs.cut
         left, right = (bar[::-1], "") if is_left else ("", bar)
         return [
             [
@@ -43,17 +44,17 @@ class Bar:
         ]
 
 
-_OUTLIER: Final = 8.0  # times the next smaller value
+_OUTLIER: Final = 8.0  # times the largest other value
+_ROOM: Final = 1.5  # of the largest other value: the cut bar is clearly longer
 
 
 def axis_of(values: Iterable[float]) -> tuple[float, float]:
-    """Return an axis without extreme outliers."""
+    """Return an axis with 0, but without an extremely low value, next to which the others look equal."""
     known = [0.0, *values]
     low, high = min(known), max(known)
-    sizes = sorted({round(abs(each), 9) for each in known})[-2:]
-    if len(sizes) > 1 and 0.0 < _OUTLIER * sizes[0] < sizes[1]:
-        most = sizes[0] * 1.5
-        low, high = max(low, -most), min(high, most)
+    others = max((abs(each) for each in known if not math.isclose(each, low)), default=0.0)
+    if 0.0 < _OUTLIER * others < -low:
+        low = -_ROOM * others
     return (low, high) if low < high else (0.0, 1.0)
 
 

@@ -234,9 +234,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.POLICIES,
         "rl_tui.screen.panels.policies.policies:Policies",
         "Policies",
-        "The exact return of each policy: random, greedy, agent, optimal, and your own (w p). The column "
-        "return is undiscounted and within the time limit. The column at start is the discounted value "
-        "of the start. "
+        "The exact return of each policy, and of your own (w p). The column return is undiscounted and "
+        "within the time limit. The column at start is discounted. ‹ marks a bar that is too long to draw. "
         "World and curve show the policy under the cursor. enter closes the panel but keeps showing that "
         "policy. The agent does not use it.",
         caption="exact return of each policy",

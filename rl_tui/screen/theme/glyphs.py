@@ -67,7 +67,7 @@ class Glyphs:
     unreached: str = _in("░", ":")  # fills an unreachable cell
     one_way: str = _in("«»∧∨", "<>^v")  # cells with one way out: left, right, up, down
     no_room: str = _in("▪", "#")  # in place of a number that does not fit
-    beyond: str = _in("‹›", "<>")  # a value below or above the scale
+    cut: str = _in("‹", "<")  # the end of a bar to the left that is too long
     differs: str = _in("◤", "x")  # greedy actions that differ between two runs
     turned: str = _in("↻", "T")  # the last edit changed the best actions of a state
     endless: str = _in("∞", "&")  # a state from which the episode may never end
