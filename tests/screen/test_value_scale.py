@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
 from samples import bandit, lake, look
 from snapshots import changed
 
+from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.screen.kit.numbers_in_common import known_v
 from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, value_scale
+from rl_tui.screen.panels.policies.studied import as_studied
 from rl_tui.screen.panels.world.scale_line import scale_pieces
 
 PALETTE = look().palette
@@ -74,13 +78,38 @@ def test_it_only_gets_wider_and_holds_what_is_known_alone() -> None:
     assert scale.of(start) == ValueScale()
 
 
-def test_a_policy_that_wanders_is_outside_of_the_scale_of_what_is_learned() -> None:
-    scale, learned = SteadyScale(), lake()
-    before = scale.of(learned)
-    drawn = replace(learned, answers=replace(learned.answers, studied=PolicyKind.DRAWN))
-    assert scale.of(changed(drawn, q=-1_000.0 * learned.agent.q)) == replace(before, cuts=(True, False))
-    near = scale.of(changed(drawn, q=-0.5 * learned.agent.q))
-    assert near.low < before.low
+def with_policies(shown: Snapshot, studied: PolicyKind, **tops: float) -> Snapshot:
+    """Study one of the policies, whose largest V are ``tops``."""
+    policies = {
+        PolicyKind(kind): PolicyAnswer(np.full(44, 0.25), np.full(16, top), np.full(44, top))
+        for kind, top in tops.items()
+    }
+    return as_studied(replace(shown, answers=replace(shown.answers, studied=studied, policies=policies)))
+
+
+def test_all_policies_have_one_scale_whichever_was_studied_before() -> None:
+    learned, tops = lake(), {"greedy": 0.1, "optimal": 1.6, "behaviour": 0.9}
+    scales = []
+    for kinds in permutations([PolicyKind.GREEDY, PolicyKind.OPTIMAL, PolicyKind.BEHAVIOUR]):
+        steady = SteadyScale()
+        before = steady.of(learned)
+        scales += [steady.of(with_policies(learned, kind, **tops)).ends for kind in kinds]
+        assert steady.of(learned) == before
+    assert set(scales) == {(0.0, 1.6)}
+
+
+def test_a_policy_that_wanders_is_outside_of_the_scale() -> None:
+    learned, tops = lake(), {"drawn": -1_000.0, "optimal": 0.8}
+    near = SteadyScale().of(with_policies(learned, PolicyKind.OPTIMAL, **tops))
+    assert near.ends == (0.0, 0.8)
+    assert SteadyScale().of(with_policies(learned, PolicyKind.DRAWN, **tops)) == replace(
+        near, cuts=(True, False)
+    )
+
+
+def test_a_hidden_policy_does_not_change_the_scale() -> None:
+    shown = with_policies(changed(lake(), is_hidden=True), PolicyKind.GREEDY, greedy=0.1, optimal=0.8)
+    assert SteadyScale().of(shown).ends == (0.0, 0.1)
 
 
 def test_that_of_a_bandit_is_that_of_the_arms_pulled() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from enum import StrEnum
 from typing import Final
@@ -9,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.live.snapshot import AgentView, Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.bandit import best_arms, true_means
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.kit.counterparts import are_alike
@@ -20,7 +22,7 @@ from rl_tui.screen.kit.numbers_in_common import (
     lanes_in_view,
     tried_q,
 )
-from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
+from rl_tui.screen.kit.snapshot_facts import is_kept_back, is_secret, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
@@ -122,7 +124,12 @@ def as_layer(snapshot: Snapshot, layer: Layer) -> Snapshot:
 def _optimal(snapshot: Snapshot, q: FloatArray, greedy: BoolArray) -> AgentView:
     space, values = snapshot.world.space, np.zeros(snapshot.world.space.states)
     values[np.diff(space.first_pair) > 0] = best_of_states(space, q)
-    policy, visits = greedy.astype(np.float64), np.ones(space.pairs, np.int64)
+    return exactly(snapshot, values, q, greedy.astype(np.float64))
+
+
+def exactly(snapshot: Snapshot, values: FloatArray, q: FloatArray, policy: FloatArray) -> AgentView:
+    """Put exact numbers of a policy in place of the learned ones."""
+    visits = np.ones(len(q), np.int64)
     return replace(snapshot.agent, q=q, values=values, policy=policy, visits=visits, part=None)
 
 
@@ -158,6 +165,16 @@ def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
     seen = as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot
     v, states = known_v(seen), np.count_nonzero(np.diff(seen.world.space.first_pair))
     return v if states >= _FEW or layer is Layer.VISITS else np.concatenate([v, tried_q(seen)])
+
+
+def policy_numbers(snapshot: Snapshot) -> Iterator[tuple[PolicyKind, FloatArray]]:
+    """Yield a scale's numbers of each policy, in both runs, unless hidden."""
+    for lane in lanes_in_view(snapshot):
+        for kind, answer in lane.answers.policies.items():
+            if answer.v is None or answer.q is None or is_kept_back(lane, kind):
+                continue
+            seen = exactly(lane, answer.v, answer.q, np.ones(lane.world.space.pairs))
+            yield kind, scale_numbers(replace(lane, agent=seen, beside=None), Layer.Q)
 
 
 def _errors(lane: Snapshot) -> FloatArray:

@@ -11,6 +11,8 @@ import numpy as np
 from rl_tui.agents.last_step import LastStep
 from rl_tui.live.pace.stop_condition import is_optimal
 from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.runs.history import RECENT
 from rl_tui.studies.many_seeds.figures import SeedStudy
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -88,6 +90,32 @@ def hides_means(snapshot: Snapshot) -> bool:
 def hides_greedy(snapshot: Snapshot) -> bool:
     """Return whether returns of current policies are hidden: greedy may be optimal."""
     return hides_means(snapshot) or (is_secret(snapshot) and keeps_back(snapshot, "answer"))
+
+
+def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
+    """Return whether a policy's return must be hidden.
+
+    Any policy of a bandit reveals its means. If a lesson hides the answer, only the random policy is shown.
+    """
+    if kind is PolicyKind.OPTIMAL:
+        return is_secret(snapshot)
+    return hides_means(snapshot) if kind is PolicyKind.UNIFORM else hides_greedy(snapshot)
+
+
+def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
+    """Return the studied policy's values, unless hidden."""
+    answers = snapshot.answers
+    if answers.studied is None or is_kept_back(snapshot, answers.studied):
+        return None
+    answer = answers.policies.get(answers.studied)
+    return answer if answer is not None and answer.v is not None else None
+
+
+def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
+    """Return the studied policy, or None if learned."""
+    if snapshot.world.is_bandit or studied_answer(snapshot) is None:
+        return None
+    return snapshot.answers.studied
 
 
 def current_study(snapshot: Snapshot) -> SeedStudy | None:

@@ -11,9 +11,11 @@ import numpy as np
 from rich.style import Style
 
 from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.kit.layers import Layer, scale_numbers
+from rl_tui.screen.kit.layers import Layer, policy_numbers, scale_numbers
+from rl_tui.screen.kit.snapshot_facts import studied_kind
 from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import FloatArray
@@ -112,12 +114,11 @@ def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | No
 class SteadyScale:
     """The scales of layers. They only widen, so that colours do not flicker.
 
-    A studied policy widens the scale a little, or is marked as outside of it.
+    While a policy is studied, V of all policies has one scale, whichever was studied before.
     """
 
     def __init__(self) -> None:
         self._scales: dict[Layer, ValueScale] = {}
-        self._is_study = False
 
     def clear(self) -> None:
         """Forget all scales."""
@@ -133,23 +134,35 @@ class SteadyScale:
         if layer not in (Layer.Q, Layer.LANDSCAPE):
             self.of(snapshot)
         layer = Layer.Q if layer is Layer.LANDSCAPE else layer
-        is_study, ramp = snapshot.answers.studied is not None, RAMPS.get(layer, Ramp.VALUES)
-        if self._is_study and not is_study:
-            self.clear()
-        self._is_study = is_study
-        values = scale_numbers(snapshot, layer)
-        now, before = value_scale(values, ramp), self._scales.get(layer)
-        if now is not None and before is not None:
-            now = ValueScale(min(before.low, now.low), max(before.high, now.high), ramp)
-            if is_study and now.high - now.low > _FAR * (before.high - before.low) > 0.0:
-                now = before  # a policy that wanders has returns beside which all others look equal
-        if now is not None:
-            cuts = now.side(float(values.min())) < 0, now.side(float(values.max())) > 0
-            now = replace(now, cuts=cuts)
-        scale = now or before or ValueScale(ramp=ramp)
-        if now is not None:
-            self._scales[layer] = scale
+        values, ramp = scale_numbers(snapshot, layer), RAMPS.get(layer, Ramp.VALUES)
+        if layer is Layer.Q and studied_kind(snapshot) is not None:
+            layer, now = Layer.POLICY, self._of_policies(snapshot)
+        else:
+            now = value_scale(values, ramp)
+        scale = _joined(now, self._scales.get(layer))
+        if scale is None:
+            return ValueScale(ramp=ramp)
+        if len(values):
+            cuts = scale.side(float(values.min())) < 0, scale.side(float(values.max())) > 0
+            scale = replace(scale, cuts=cuts)
+        self._scales[layer] = scale
         return scale
+
+    def _of_policies(self, snapshot: Snapshot) -> ValueScale | None:
+        scales = [(kind, value_scale(values)) for kind, values in policy_numbers(snapshot)]
+        optimal = (scale for kind, scale in scales if kind is PolicyKind.OPTIMAL)
+        scale = _joined(self._scales.get(Layer.Q), *optimal)
+        most = 0.0 if scale is None else _FAR * max(-scale.low, scale.high)
+        # a policy that wanders has returns next to which all others look equal
+        near = (each for _, each in scales if each and (not most or max(-each.low, each.high) <= most))
+        return _joined(scale, *near)
+
+
+def _joined(*scales: ValueScale | None) -> ValueScale | None:
+    known = [each for each in scales if each is not None]
+    if not known:
+        return None
+    return ValueScale(min(each.low for each in known), max(each.high for each in known), known[0].ramp)
 
 
 # A scale as text

@@ -16,9 +16,9 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece
 from rl_tui.screen.kit.counterparts import are_alike, are_same_size, in_common
 from rl_tui.screen.kit.panel import BoardPanel
-from rl_tui.screen.kit.snapshot_facts import hides_greedy
+from rl_tui.screen.kit.snapshot_facts import hides_greedy, studied_kind
 from rl_tui.screen.panels.controls.controls import in_force, sliders_of
-from rl_tui.screen.panels.policies.studied import as_studied, studied_kind
+from rl_tui.screen.panels.policies.studied import as_studied
 from rl_tui.screen.panels.program.words import name_of
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView

@@ -27,7 +27,7 @@ from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of,
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
+from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast, studied_answer
 from rl_tui.screen.panels.curve.area import (
     FULL,
     area_of,
@@ -64,7 +64,7 @@ from rl_tui.screen.panels.curve.text import (
     remark,
     steps_note,
 )
-from rl_tui.screen.panels.policies.studied import policy_ink, studied_answer
+from rl_tui.screen.panels.policies.studied import policy_ink
 from rl_tui.screen.panels.timeline import event_notes
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import IntArray

@@ -27,10 +27,10 @@ from rl_tui.screen.kit.snapshot_facts import (
     is_secret,
     keeps_back,
     reward_range,
+    studied_answer,
 )
 from rl_tui.screen.panels.curve.moving_mean import MovingMean, moving_mean, window_of
 from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_bands
-from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.worlds.mdp.space import FloatArray
 
 _RATIO: Final = 1.05  # ratio between right ends of the axis, so that the picture moves in steps

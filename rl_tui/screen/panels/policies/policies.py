@@ -23,9 +23,9 @@ from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Column, Columns, Table, Text, laid
 from rl_tui.screen.kit.charts import Bar, axis_of
 from rl_tui.screen.kit.panel import MAY_NEVER_END, Panel, key_hints
-from rl_tui.screen.kit.snapshot_facts import shown_by
+from rl_tui.screen.kit.snapshot_facts import is_kept_back, shown_by, studied_answer
 from rl_tui.screen.panels.last_step.update_text import setting
-from rl_tui.screen.panels.policies.studied import POLICY_NAMES, is_kept_back, policy_ink, studied_answer
+from rl_tui.screen.panels.policies.studied import POLICY_NAMES, policy_ink
 from rl_tui.screen.theme.look import Look
 
 # The table

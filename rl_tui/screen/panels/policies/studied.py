@@ -11,8 +11,9 @@ from rich.style import Style
 from rl_tui.agents.exact.policy_figures import best_pairs
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
-from rl_tui.runs.answers.policy_values import WHILE_RUNNING, PolicyAnswer
-from rl_tui.screen.kit.snapshot_facts import hides_greedy, hides_means, is_secret
+from rl_tui.runs.answers.policy_values import WHILE_RUNNING
+from rl_tui.screen.kit.layers import exactly
+from rl_tui.screen.kit.snapshot_facts import studied_answer
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
@@ -35,32 +36,6 @@ def policy_ink(kind: PolicyKind, palette: Palette) -> Style:
     """Return a policy's colour in every panel."""
     inks = palette.text, palette.greedy_line, palette.episodes, palette.dim, palette.you
     return dict(zip(POLICY_NAMES, inks, strict=True))[kind]
-
-
-def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
-    """Return whether a policy's return must be hidden.
-
-    Any policy of a bandit reveals its means. If a lesson hides the answer, only the random policy is shown.
-    """
-    if kind is PolicyKind.OPTIMAL:
-        return is_secret(snapshot)
-    return hides_means(snapshot) if kind is PolicyKind.UNIFORM else hides_greedy(snapshot)
-
-
-def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
-    """Return the studied policy's values, unless hidden."""
-    answers = snapshot.answers
-    if answers.studied is None or is_kept_back(snapshot, answers.studied):
-        return None
-    answer = answers.policies.get(answers.studied)
-    return answer if answer is not None and answer.v is not None else None
-
-
-def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
-    """Return the studied policy, or None if learned."""
-    if snapshot.world.is_bandit or studied_answer(snapshot) is None:
-        return None
-    return snapshot.answers.studied
 
 
 def study_headings(
@@ -99,13 +74,7 @@ def as_studied(snapshot: Snapshot) -> Snapshot:
         return snapshot
     if snapshot.world.is_bandit:
         return snapshot
-    agent = replace(
-        snapshot.agent,
-        q=answer.q,
-        values=answer.v,
-        policy=shown_actions(snapshot, kind, answer.policy).astype(np.float64),
-        visits=np.ones_like(snapshot.agent.visits),
-        part=None,
-    )
+    policy = shown_actions(snapshot, kind, answer.policy).astype(np.float64)
+    agent = exactly(snapshot, answer.v, answer.q, policy)
     beside = None if snapshot.beside is None else as_studied(snapshot.beside)
     return replace(snapshot, agent=agent, beside=beside)

@@ -23,15 +23,14 @@ from rl_tui.screen.kit.layers import (
     veiled,
     veils_exact,
 )
-from rl_tui.screen.kit.numbers_in_common import best_of_states, ends, finite, lanes_in_view
-from rl_tui.screen.kit.snapshot_facts import followed_step, has_estimates
-from rl_tui.screen.kit.value_scale import Ramp, ValueScale, value_scale
-from rl_tui.screen.panels.policies.studied import shown_actions, studied_answer
+from rl_tui.screen.kit.numbers_in_common import ends, finite, lanes_in_view
+from rl_tui.screen.kit.snapshot_facts import followed_step, has_estimates, studied_answer
+from rl_tui.screen.kit.value_scale import Ramp, ValueScale
+from rl_tui.screen.panels.policies.studied import shown_actions
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FloatArray
 
 LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)  # layers without learned numbers
-_OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)  # layers with the scale of the map
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:
@@ -118,7 +117,7 @@ class Figures:
         self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
-        self._scale = scale if layer in _OF_THE_MAP else self._own_scale(snapshot, exact) or scale
+        self._scale = ValueScale(self.low, self.high, Ramp.ERRORS) if layer is Layer.LANES else scale
         self._total_visits: int | None = None
         self._steady = forms
         self._forms: dict[int, NumberForm] = {}
@@ -196,16 +195,6 @@ class Figures:
         if math.isnan(x) and self.layer in LEARNED_NOT:
             return palette.text if self.layer is Layer.POLICY else palette.unvisited
         return self._scale.style(x, palette) if math.isfinite(x) else palette.bad
-
-    def _own_scale(self, snapshot: Snapshot, exact: Exact | None) -> ValueScale | None:
-        if self.layer is Layer.LANES:
-            return ValueScale(self.low, self.high, Ramp.ERRORS)
-        best = [np.empty(0)]  # of each state under the policy, in both runs
-        for lane in lanes_in_view(snapshot):
-            known = exact if lane is snapshot else exact_of(lane, Layer.POLICY)
-            if known is not None:
-                best.append(np.asarray(best_of_states(lane.world.space, known[0])))
-        return value_scale(finite(np.concatenate(best)))
 
     def _form(self, width: int) -> NumberForm:
         form = self._forms.get(width)

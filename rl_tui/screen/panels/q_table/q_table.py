@@ -376,7 +376,10 @@ class QTable(Panel, can_focus=True):
         exact = {layer: exact_of(snapshot, layer) for layer in layers}
         lit = lit_pair(snapshot) if self.lights else None
         shown = self.shown_layer
-        scale = self._scale.of(as_studied(snapshot) if shown is Layer.Q else snapshot, shown)
+        if shown in (Layer.Q, Layer.POLICY):
+            scale = self._scale.of(as_studied(snapshot))
+        else:
+            scale = self._scale.of(snapshot, shown)
         figures = {
             layer: Figures(snapshot, layer, self.look, known, self._forms, scale, lit, self.sources)
             for layer, known in exact.items()

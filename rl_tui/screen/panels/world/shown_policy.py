@@ -17,9 +17,9 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_v
 from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, no_value_sign
-from rl_tui.screen.kit.snapshot_facts import is_new_run
+from rl_tui.screen.kit.snapshot_facts import is_new_run, studied_kind
 from rl_tui.screen.kit.value_scale import Ramp, ValueScale
-from rl_tui.screen.panels.policies.studied import as_studied, studied_kind, study_headings
+from rl_tui.screen.panels.policies.studied import as_studied, study_headings
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 

@@ -16,9 +16,8 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.frame.key_line import Hints
 from rl_tui.screen.keys.action import Action, Group
 from rl_tui.screen.kit.row import POLICIES, WORLD
-from rl_tui.screen.kit.snapshot_facts import shown_by
+from rl_tui.screen.kit.snapshot_facts import is_kept_back, shown_by
 from rl_tui.screen.panels.arms import ArmsView
-from rl_tui.screen.panels.policies.studied import is_kept_back
 from rl_tui.screen.panels.world.shown_policy import AT_RANDOM
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.modes.action_keys import (
