@@ -133,10 +133,11 @@ class _Bands:
         )
         if sheet.lanes and self.aside is not None:
             self.below_page, self.aside = (self.below_page, self.aside) if docked else (self.aside, None)
-        has_column = self.aside or sheet.shows(TABLE) or sheet.shows(LAST_STEP)
+        steps_below = bool(docked) or self.room is SMALL
+        has_column = self.aside or sheet.shows(TABLE) or (sheet.shows(LAST_STEP) and not steps_below)
         self.is_alone = self.shape.shown is not None and not has_column
         self.has_band = sheet.shows(CURVE) or sheet.shows(TABLE)
-        lower = (CURVE, self.shape.settings, LAST_STEP) if docked else (CURVE, self.shape.settings)
+        lower = (CURVE, self.shape.settings, *([LAST_STEP] if steps_below else []))
         self.has_lower = bool(self.below_page) or any(sheet.shows(each) for each in lower)
         self.wind = int(isinstance(self.drawing, Grid) and bool(self.drawing.wind))
         self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend

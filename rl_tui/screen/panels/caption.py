@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from textual.strip import Strip
 
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw.canvas import Piece, shortened, strips_of
 from rl_tui.screen.kit.snapshot_facts import has_estimates, has_optimal_policy, valued_states
 from rl_tui.screen.panels.status_line import StatusLine, waiting_line
@@ -32,8 +32,8 @@ class CaptionLine(StatusLine):
 
 def caption(snapshot: Snapshot) -> str:
     """Describe how the estimates change."""
-    if not snapshot.counters.step:
-        return "Nothing is learned yet: no step was taken."
+    if not snapshot.counters.step and snapshot.playback.phase is Phase.PAUSED:
+        return "Nothing is learned yet. space: run, s: take one step."
     if not has_estimates(snapshot):
         return "No table was found in your program yet, so its learning is not shown."
     if snapshot.world.is_bandit:

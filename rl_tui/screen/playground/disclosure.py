@@ -18,6 +18,8 @@ _CHANGES_AGENT: Final = ("agent", "menus.open('a')")
 FIRST_PANELS: Final = frozenset({WORLD, CAPTION})
 """The first panels of a run whose panels appear one by one."""
 _LATER: Final = frozenset({TABLE, CURVE, TIMELINE, BUDGET, LAST_STEP, CONTROLS})
+_SHOW_STEP: Final = ("run.step", "time.step_back")
+"""Commands about a single step."""
 _ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
 
 
@@ -68,9 +70,15 @@ class Disclosure(Subject):
         return frozenset(found)
 
     def note(self, command: str) -> None:
-        """Show the settings before ``command`` changes one."""
+        """Show the settings before ``command`` changes one, and the step that it takes."""
         if command.startswith(_CHANGES_AGENT):
-            self.so_far = None if self.so_far is None else self.so_far | {CONTROLS}
+            panel = CONTROLS
+        elif self.is_gradual and command in _SHOW_STEP:
+            panel = LAST_STEP
+        else:
+            return
+        if self.so_far is not None:
+            self.so_far |= {panel}
             self.board.reshape(shown=self.in_view)
 
     def turn(self) -> None:

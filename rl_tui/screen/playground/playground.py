@@ -238,8 +238,7 @@ class Playground(ActionScreen):
         else:
             if self.wanted.lesson is not None:
                 self.kept_back.show_world_for(action)
-            if self.panels.so_far is not None:
-                self.panels.note(command)
+            self.panels.note(command)
             super().action_do(command)
 
     action_do_unfocused = action_do  # for moving keys, while no panel has the focus
