@@ -18,6 +18,7 @@ from rl_tui.worlds.files.catalogue import find
 
 def panel(snapshot: Snapshot | None, pair: int | None = None, *, ascii: bool = False) -> ModelPanel:  # noqa: A002
     made = ModelPanel(look(ascii))
+    made.has_focus = True
     made.show_pair(pair)
     if snapshot is not None:
         made.show(snapshot)
@@ -81,6 +82,9 @@ def test_the_border_names_the_keys_that_do_something() -> None:
     assert made.footing == "pgup pgdn: scroll   esc: close"
     drawn(made, width=14, height=10)
     assert made.footing == "esc: close"
+    made.has_focus = False
+    drawn(made)
+    assert made.footing == "click or tab here for its keys"
 
 
 def test_where_every_state_has_actions_that_is_not_said() -> None:

@@ -76,6 +76,10 @@ def page_bindings(panel: str) -> list[BindingType]:
     ]
 
 
+ELSEWHERE: Final = ("click or tab here for its keys", "tab here for its keys")
+"""Forms of the hint while another panel has the keys."""
+
+
 class ScrolledPanel(Panel, can_focus=True):
     """A panel that scrolls its rows, with a bar at the right.
 
@@ -117,6 +121,8 @@ class ScrolledPanel(Panel, can_focus=True):
         keys = self.keys(snapshot)
         if not is_scrolled:
             return keys
+        if not self.has_focus:
+            return ELSEWHERE
         return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -148,6 +154,11 @@ class ScrolledPanel(Panel, can_focus=True):
     def action_scroll_pages(self, pages: int) -> None:
         """Scroll with one row of overlap."""
         self._scroll(pages * max(1, self._rows_in_view - 1))
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Show the keys only while they count."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
 
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
         """Scroll by ``rows``."""
