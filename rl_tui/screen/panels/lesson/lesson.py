@@ -373,7 +373,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         title = open_page(record).title
         self.heading = self.fitting((title, shortened(title, width - _AROUND_A_TITLE, "…")), width)
         tracks = [progress(record, cells, self.look.glyphs) for cells in _TRACKS]
-        more = [f"↓ {below:,} more · {each}" for each in tracks] if below > 0 else []
+        more = [f"{counted(below, 'more line')} · {each}" for each in tracks] if below > 0 else []
         self.footing = self.fitting((*more, *tracks), width)
 
     def _follow(self, shown: _Shown, height: int) -> None:
