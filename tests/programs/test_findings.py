@@ -374,4 +374,8 @@ def test_a_cell_of_the_next_state_is_corrected_by_where_the_maximum_is_taken() -
 def test_a_state_that_step_overwrites_is_given_another_name() -> None:
     names = CodeNames(state="s", next_state="s")
     proof = proof_of_cell(Evidence(recorded(after_moving, 0).recording), names)
-    assert proof.correction == "update Q[s, a], not Q[next_s, a], and set s = next_s after that"
+    assert proof.correction == (
+        "call the next state next_s, then update Q[s, a], not Q[next_s, a], and set s = next_s after that"
+    )
+    exchanged = proof_of_cell(Evidence(recorded(swapped, 0).recording), names)
+    assert exchanged.correction.startswith("call the next state next_s, then swap s and next_s: target = ")

@@ -91,7 +91,7 @@ def test_swapped_pairs_are_corrected_by_what_is_in_the_target(world: str) -> Non
         "swap s and s2: target = r if terminated else r + gamma * Q[s2, next"
     )
     (other,) = verdict_of(recorded(next_pair, **WORLDS[world])).findings  # type: ignore[arg-type]
-    assert other.correction.startswith("update Q[s, a], the cell of the state before the step")
+    assert other.correction.startswith("update Q[s, a] while s is the state before the step and a the")
 
 
 def test_a_program_that_plans_may_move_any_cell() -> None:

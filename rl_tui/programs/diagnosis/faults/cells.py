@@ -213,17 +213,21 @@ def _proof(
 
 def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
     cell = names.cell()
-    if is_swapped and place != _MOVED:
-        names = replace(names, value=UpdateTarget.NEXT_ACTION)
     if not is_swapped and place != _MOVED:
-        return f"update {cell}, the cell of the state before the step and the action taken in it"
-    if is_swapped:
-        update = f"{cell} += {names.alpha} * (target - {cell})"
-        return f"swap {names.state} and {names.next_state}: {names.target()}; {update}"
+        # the line may name the right variables, which another line has changed
+        held = f"{names.state} is the state before the step and {names.action} the action taken in it"
+        return f"update {cell} while {held}"
+    start = ""
     if names.next_state == names.state:  # env.step overwrites it
         names = replace(names, next_state=f"next_{names.state}")
+        start = f"call the next state {names.next_state}, then "
+    if is_swapped:
+        if place != _MOVED:
+            names = replace(names, value=UpdateTarget.NEXT_ACTION)
+        update = f"{cell} += {names.alpha} * (target - {cell})"
+        return f"{start}swap {names.state} and {names.next_state}: {names.target()}; {update}"
     other = replace(names, state=names.next_state).cell()
-    return f"update {cell}, not {other}, and set {names.state} = {names.next_state} after that"
+    return f"{start}update {cell}, not {other}, and set {names.state} = {names.next_state} after that"
 
 
 def _takes_own_value(evidence: Evidence, at: IntArray, place: str) -> bool:
