@@ -182,6 +182,17 @@ async def test_the_keys_of_a_dialog_answer_clicks_on_its_border_and_those_after_
     assert app.return_code == 0
 
 
+async def test_ctrl_c_asks_after_a_drag_too(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with on_screen(app) as pilot:
+        table = playground(pilot).board.table
+        await pilot.mouse_down(table, offset=(3, 2))
+        await pilot.hover(table, offset=(9, 4))
+        await pilot.mouse_up(table, offset=(9, 4))
+        await pilot.press("ctrl+c")
+        assert isinstance(app.screen, QuitQuestion)
+
+
 # Early keys, and places that do not exist
 
 

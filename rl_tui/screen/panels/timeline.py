@@ -233,7 +233,6 @@ HINTS: Final = (
 class TimelineBar(Draggable, Panel, can_focus=True):
     """The current branch, with a handle."""
 
-    ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("left", "move('cell', -1)", "timeline.earlier", "Earlier"),
         binding("right", "move('cell', 1)", "timeline.later", "Later"),

@@ -83,6 +83,7 @@ class Playground(ActionScreen):
         *mode_bindings(ManualControl, PolicyDrawing, WorldEditing),
     ]
     AUTO_FOCUS = ""
+    ALLOW_SELECT = False  # panels have no text to copy: after a drag ctrl+c would do nothing
     place = Place.PLAYGROUND
 
     @dataclass

@@ -37,7 +37,6 @@ class Slider(Draggable, can_focus=True):
     arrive before the key that ended the typing. Raises ValueError without a finite range.
     """
 
-    ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("left", "move('step', -1)", "slider.less", "A hundredth less"),
         binding("right", "move('step', 1)", "slider.more", "A hundredth more"),
