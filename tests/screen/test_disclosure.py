@@ -47,6 +47,16 @@ async def test_panels_come_once_they_mean_something_and_none_goes_again(make_app
         assert in_view(pilot) == ALL
 
 
+async def test_the_first_step_is_in_view_at_every_size(make_app: MakeApp) -> None:
+    for scenario in ("frozenlake", "cliff"):
+        async with on_screen(make_app(scenario, panels="few"), (120, 40)) as pilot:
+            await press(pilot, "s")
+            for size in ((120, 40), (80, 24), (60, 18)):
+                await pilot.resize_terminal(*size)
+                await settle(pilot)
+                assert LAST_STEP in in_view(pilot), (scenario, size)
+
+
 async def test_all_panels_are_a_key_away_and_that_is_remembered(make_app: MakeApp, tmp_path: Path) -> None:
     async with on_screen(make_app("frozenlake", panels="few")) as pilot:
         assert in_view(pilot) == {WORLD}

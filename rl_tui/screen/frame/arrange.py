@@ -188,7 +188,7 @@ class _Bands:
         low = sheet.top + upper + (sheet.blank if below else 0)
         if columns and self._has_curve_at_right(low):
             upper = sheet.foot - sheet.top - sum(_CURVE_AT_RIGHT[self.room]) - sheet.blank
-        self._put_right(columns, upper)
+        self._put_right(columns, upper if self.has_lower else sheet.foot - sheet.top)
         if sheet.lanes and self.aside is None and self.below_page is None and not is_over:
             low = self._put_tables(low, room)
         self._put_lower(low, left, columns)
