@@ -303,7 +303,7 @@ class _Cell:
     @property
     def _text(self) -> str:
         text = self.face.text or ""
-        return text if len(text) <= self.form.inner else self.glyphs.no_room
+        return text if len(text) <= self.form.most_digits else self.glyphs.no_room
 
     @property
     def _value_rows(self) -> tuple[str, ...]:

@@ -110,7 +110,7 @@ class CellForm(NamedTuple):
     @property
     def most_digits(self) -> int:
         """The characters of a whole number."""
-        return self.inner if self.height > 1 else self.digits
+        return self.width - 1 if self.height > 1 else self.digits
 
     @property
     def digits(self) -> int:
@@ -143,4 +143,4 @@ def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LE
 
 
 def _least_width(height: int, digits: int) -> int:
-    return digits + (_WITH_DIGITS if height == 1 else digits > LEAST_DIGITS)
+    return digits + (_WITH_DIGITS if height == 1 else 1)  # a seam or blank separates neighbours
