@@ -295,14 +295,16 @@ def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
     assert view.footing == ""
 
 
-def test_a_cliff_is_hatched_in_a_colour_of_its_own() -> None:
+def test_a_cliff_is_hatched_in_its_own_colour_and_strokes_continue_across_cells() -> None:
     world = lake_world()
     assert isinstance(world.drawing, Grid)
     kinds = tuple(CellKind.CLIFF if kind is CellKind.HOLE else kind for kind in world.drawing.kinds)
     snapshot = changed(lake(step=0), world=World(world.space, replace(world.drawing, kinds=kinds)))
-    strip = GridView(snapshot.world, look()).picture(snapshot, 20, 4)[1]
-    assert strip.text == "  ·  ╱  ╱   ·  ╱  ╱ "
-    assert style_at(strip, 5) == look().palette.cliff
+    strips = GridView(snapshot.world, look()).picture(snapshot, 20, 4)
+    assert strips[1].text == "  ·  ╱  ╱   ·    ╱  "
+    assert style_at(strips[1], 5) == look().palette.cliff
+    strokes = [(x, y) for y, strip in enumerate(strips) for x, sign in enumerate(strip.text) if sign == "╱"]
+    assert {(x + y) % 3 for x, y in strokes} == {0}
 
 
 def test_cells_that_pay_something_unusual_say_so() -> None:

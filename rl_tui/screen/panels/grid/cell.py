@@ -11,7 +11,7 @@ from rl_tui.screen.draw.block_signs import Direction, Sign, SignName, block_numb
 from rl_tui.screen.draw.canvas import Canvas, Drawn
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
-from rl_tui.screen.panels.grid.map import PLAIN, CellExtra, Wall
+from rl_tui.screen.panels.grid.map import HATCH, PLAIN, CellExtra, Wall
 from rl_tui.screen.panels.grid.marks import (
     SEVERAL,
     START,
@@ -130,7 +130,8 @@ class _Cell:
             else:
                 self.canvas.put(0, row, " " * width, self._blank)
             if self.face.kind is CellKind.CLIFF:
-                for column in range(row % 3, width, 3):
+                above, left = self.extra.hatch[0] * height, self.extra.hatch[1] * width
+                for column in range(-(above + row + left) % HATCH, width, HATCH):
                     self.canvas.put(column, row, glyphs.cliff, ink)
 
     @property

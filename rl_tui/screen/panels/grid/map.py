@@ -109,7 +109,7 @@ class CellExtra(NamedTuple):
 
     ``name``: padded to the longest. ``is_off_way``: without a drawn action, and never reached. ``draft``: not
     active. ``way``: the only exit. ``has_turned``: the last step changed its arrows. ``edges``: walls at the
-    left and right.
+    left and right. ``hatch``: a cliff's row and column, modulo ``HATCH``.
     """
 
     trace: Trace = Trace()
@@ -122,8 +122,11 @@ class CellExtra(NamedTuple):
     wall: Wall = Wall.SLAB
     has_turned: bool = False
     edges: tuple[bool, bool] = (False, False)
+    hatch: tuple[int, int] = (0, 0)
 
 
+HATCH: Final = 3
+"""The columns between the strokes of a cliff, which continue from cell to cell."""
 PLAIN: Final = CellExtra()
 PUSHES: Final[Mapping[str, Sign]] = {"left": (0, -1), "right": (0, 1)}
 """Arrows for actions on a body."""
@@ -299,6 +302,9 @@ class GridMap:
                     content = with_extra(content, edges=self._edges[cell])
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
+            if kind is CellKind.CLIFF:
+                down, right = divmod(cell, columns)
+                contents[-1] = with_extra(contents[-1], hatch=(down % HATCH, right % HATCH))
             first = last
         if named:
             names = [self._space.state_names[each] for each in owners.tolist()]
