@@ -130,6 +130,7 @@ def test_labels_of_columns_are_over_their_columns_and_keep_apart(size: tuple[int
         assert place is not None
         state = view.name_at(place)
         assert not state or state.split(", ")[1] == names.get(label, label)
+        assert view.cell == (1, 1) or not state or any(row[x] in "·hs" for row in rows[y + 1 : -1])
     assert set(rows[y].split()) <= {"A", "T", *"23456789"}
 
 

@@ -9,6 +9,7 @@ from rich.segment import Segment
 from textual.strip import Strip
 
 from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.panels.grid.form import CellForm
 from rl_tui.worlds.drawing import BodyKind, Grid
 
 if TYPE_CHECKING:
@@ -166,9 +167,10 @@ def _heads(
         if margins.names_bins and axes.names is not None:
             _put_heading(canvas, axes, look)
     every = 1 + max(map(len, texts), default=0) // wide  # a blank separates neighbours
-    place = 0  # within a block
+    form, place = CellForm(*part.cell), 0  # within a block
+    middle = form.centred(1, as_blocks=form.has_blocks and look.glyphs.braille)
     for column, text in enumerate(texts):
-        x = start + column * wide + (wide - (wide > 4) - len(text)) // 2
+        x = start + column * wide + middle - (len(text) - 1) // 2
         if text and place % every == 0 and x >= 0 and x + len(text) <= width:
             style = palette.strong if column + part.left == here else palette.dim
             canvas.put(x, margins.labels - 1, text.replace("-", look.glyphs.minus), style)

@@ -110,11 +110,7 @@ class _Cell:
                 self.canvas.put(self._centred(len(text)), y, text, ink)
 
     def _centred(self, length: int) -> int:
-        """Return where a text starts: blocks leave the seam out, letters and numbers have one axis."""
-        form = self.form
-        if self.has_blocks:
-            return (form.inner - length) // 2
-        return max(0, min((form.width - length + form.width % 2) // 2, form.inner - length))
+        return self.form.centred(length, as_blocks=self.has_blocks)
 
     # The ground
 

@@ -49,6 +49,14 @@ class CellForm(NamedTuple):
         """The columns without seam."""
         return self.width - self.has_seam
 
+    def centred(self, length: int, *, as_blocks: bool) -> int:
+        """Return where a text starts. Blocks leave the seam out, letters and numbers have one axis."""
+        if as_blocks:
+            return (self.inner - length) // 2
+        if self.height == 1 and self.width == LEAST_ARROWS:
+            return 1  # after the mark
+        return max(0, min((self.width - length + self.width % 2) // 2, self.inner - length))
+
     @property
     def has_blocks(self) -> bool:
         """True if arrows and ends are blocks, and step paths shown."""
