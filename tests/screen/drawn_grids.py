@@ -18,6 +18,7 @@ from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import CellForm
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
+from rl_tui.screen.panels.grid.marks import lead_steps
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.space import FloatArray
@@ -58,7 +59,7 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
     form = SteadyForms().form("", all_v(snapshot), artist.form.digits, most=2)
     scale = SteadyScale().of(snapshot)
     cells = grid_map.contents(part, snapshot)
-    strips = draw_grid(cells, artist, form, scale, scale, part, width, height)
+    strips = draw_grid(cells, artist, form, scale, lead_steps(scale), part, width, height)
     return [strip.text for strip in strips]
 
 

@@ -24,6 +24,7 @@ from rl_tui.screen.panels.grid.action_form import ActionForm, ActionKinds, Place
 from rl_tui.screen.panels.grid.action_values import ActionArtist
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.map import ActionValue, CellContent
+from rl_tui.screen.panels.grid.marks import lead_steps
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.grid.section import GridSection
 
@@ -361,5 +362,5 @@ def test_in_lists_numbers_stand_above_one_another_at_the_right() -> None:
     actions = tuple(ActionValue(sign, q, not q, False) for sign, q in values)
     cell = CellContent(CellKind.FLOOR, False, 6.0, True, actions=actions)
     scale = ValueScale(-8.0, 6.0)
-    rows = artist.strips((artist.face(cell, scale, NumberForm(3, 0), scale),), 13)
+    rows = artist.strips((artist.face(cell, scale, NumberForm(3, 0), lead_steps(scale)),), 13)
     assert ["".join(segment.text for segment in row).rstrip() for row in rows] == ["↑ −8  ↓ −7", "→  6  ← ·"]

@@ -149,7 +149,7 @@ def test_arrows_are_explained_as_pale_or_plain_or_not_where_there_is_none() -> N
     one = np.zeros(44)
     one[4] = 1.0
     close = one.copy()
-    close[5] = 0.99
+    close[5] = 0.999
     said = [
         "".join(legend(explained(map_of(shown), shown, 60, 12)))
         for shown in map(with_q, (one * 0, one, close))

@@ -82,11 +82,11 @@ class ActionArtist:
         return strips_of_row(cells, width, self.look.palette.text)
 
     def face(
-        self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
+        self, cell: CellContent, scale: ValueScale, number_form: NumberForm, leads: Sequence[float]
     ) -> ActionFace | Face:
         """Return a cell's look, actions coloured on ``scale``."""
         if not cell.actions:
-            return self._idle.face(cell, scale, number_form, range_of_v)
+            return self._idle.face(cell, scale, number_form, leads)
         field = max(LEAST_DIGITS, number_form.cells)  # steady: the widest number so far
         entries = tuple(self._entry(action, scale, number_form) for action in cell.actions)
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, cell.extra or PLAIN
@@ -380,14 +380,14 @@ def draw_grid(
     artist: CellArtist | ActionArtist,
     number_form: NumberForm,
     scale: ValueScale,
-    range_of_v: ValueScale,
+    leads: Sequence[float],
     part: MapPart,
     width: int,
     height: int,
 ) -> list[Strip]:
-    """Draw the cells of ``part``. The lead of greedy actions is relative to ``range_of_v``."""
+    """Draw the cells of ``part``. ``leads``: steps of a greedy action's colour."""
     text = artist.look.palette.text
-    faces = [artist.face(cell, scale, number_form, range_of_v) for cell in cells]
+    faces = [artist.face(cell, scale, number_form, leads) for cell in cells]
     blank, strips = Strip([Segment(" " * width, text)], width), list[Strip]()
     for first in range(0, len(faces), part.columns):
         strips += artist.strips(tuple(faces[first : first + part.columns]), width)

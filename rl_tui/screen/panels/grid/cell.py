@@ -13,6 +13,7 @@ from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import HATCH, PLAIN, CellExtra, Wall
 from rl_tui.screen.panels.grid.marks import (
+    MOST_LEAD,
     SEVERAL,
     START,
     CellReward,
@@ -30,7 +31,6 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind
 
-LEADS: Final = 4
 NO_VALUE: Final = "0"
 _LEAST_ARROW: Final = 2  # columns and rows of a block arrow
 _LEAST_FRAMED: Final = (4, 2)  # columns and rows of a cell
@@ -48,7 +48,7 @@ class Face(NamedTuple):
     """Everything that decides a cell's look.
 
     ``greedy``: empty if all actions are equal or unknown. ``lead``: advantage of the greedy action, up to
-    ``LEADS``. ``differs``: the second run has other greedy actions.
+    ``MOST_LEAD``. ``differs``: the second run has other greedy actions.
     """
 
     kind: CellKind
@@ -56,7 +56,7 @@ class Face(NamedTuple):
     text: str | None
     greedy: tuple[Sign, ...]
     style: Style
-    lead: int = LEADS
+    lead: int = MOST_LEAD
     reward: CellReward | None = None
     stops: bool = False
     cursor: bool = False
@@ -221,7 +221,7 @@ class _Cell:
             return off_way_style(self.ink, self.look)
         if self.extra.has_turned:
             return self.ink + self.look.palette.you + _BOLD
-        return paled(self.ink + _BOLD, self.face.lead / LEADS)
+        return paled(self.ink + _BOLD, self.face.lead / MOST_LEAD)
 
     def _draw_sign(self) -> None:
         form, face, canvas = self.form, self.face, self.canvas

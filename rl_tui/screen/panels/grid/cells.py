@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from collections.abc import Sequence
 from functools import lru_cache, partial
 from typing import Final
 
@@ -13,10 +15,10 @@ from rl_tui.screen.draw.canvas import Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.layers import veiled
 from rl_tui.screen.kit.value_scale import ValueScale
-from rl_tui.screen.panels.grid.cell import LEADS, NO_VALUE, Face, drawn_cell
+from rl_tui.screen.panels.grid.cell import NO_VALUE, Face, drawn_cell
 from rl_tui.screen.panels.grid.form import CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, CellContent
-from rl_tui.screen.panels.grid.marks import CellReward, clear_lead, reward_text, value_text
+from rl_tui.screen.panels.grid.marks import MOST_LEAD, CellReward, reward_text, value_text
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
@@ -68,14 +70,14 @@ class CellArtist:
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
     def face(
-        self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
+        self, cell: CellContent, scale: ValueScale, number_form: NumberForm, leads: Sequence[float]
     ) -> Face:
-        """Return a cell's look. A small lead relative to ``range_of_v`` makes its greedy action pale."""
+        """Return a cell's look. ``leads``: steps of a greedy action's colour."""
         palette, extra = self.look.palette, cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
         if cell.value is None:
             style = self._end_styles.get(cell.kind, palette.unvisited)
-            return Face(cell.kind, cell.agent, None, (), style, LEADS, *marks)
+            return Face(cell.kind, cell.agent, None, (), style, MOST_LEAD, *marks)
         is_veiled = self.veils and cell.value != cell.value
         style = scale.style(cell.value, palette) if cell.known and not is_veiled else palette.unvisited
         if is_veiled:
@@ -85,7 +87,5 @@ class CellArtist:
         else:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
             text = self.look.glyphs.no_room if "#" in text else text
-        clear = clear_lead(range_of_v)
-        is_clear = not cell.lead < clear  # also true for NaN, the lead over a policy that may never end
-        lead = LEADS if is_clear else int(LEADS * cell.lead / clear)
+        lead = bisect_right(leads, cell.lead)  # NaN, the lead over a policy that may never end, has the most
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)

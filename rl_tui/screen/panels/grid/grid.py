@@ -26,7 +26,7 @@ from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, carried_place, with_extra
-from rl_tui.screen.panels.grid.marks import SEVERAL, clear_lead, sign_text
+from rl_tui.screen.panels.grid.marks import SEVERAL, lead_steps, sign_text
 from rl_tui.screen.panels.grid.motion import Mover
 from rl_tui.screen.panels.grid.signs import (
     action_signs,
@@ -284,11 +284,11 @@ class GridView(WorldView):
         number_form = self._number_form(values, form if actions is None else actions)
         motion = self.mover.motion if self._moves else None
         cells = cells if motion is None else motion.contents(cells)
-        strips = draw_grid(cells, artist, number_form, self.tints, self.range_of_v, part, width, height)
+        leads = lead_steps(self.range_of_v)
+        strips = draw_grid(cells, artist, number_form, self.tints, leads, part, width, height)
         self._has_several = any(SEVERAL in strip.text for strip in strips)
         self._has_greedy = any(each.greedy for each in cells)
-        clear = clear_lead(self.range_of_v)
-        self._has_pale = any(each.lead < clear for each in cells)
+        self._has_pale = any(each.lead < leads[-2] for each in cells)  # the strongest two hardly differ
         return motion.laid_over(strips, form, part.columns, number_form, self.look) if motion else strips
 
     @property

@@ -120,9 +120,11 @@ def reward_style(reward: CellReward, look: Look) -> Style:
     return (look.palette.good if reward.good else look.palette.bad) + _BOLD
 
 
-_CLEAR_LEAD: Final = 0.15  # share of the range of V
+# Shares of the range of V. By factors: if γ is near 1 or a step costs little, even clear leads are small
+_LEADS: Final = (0.0005, 0.002, 0.008, 0.03)
+MOST_LEAD: Final = len(_LEADS)
 
 
-def clear_lead(range_of_v: ValueScale) -> float:
-    """Return the lead that has full colour."""
-    return _CLEAR_LEAD * (range_of_v.high - range_of_v.low)
+def lead_steps(range_of_v: ValueScale) -> tuple[float, ...]:
+    """Return the leads at which a greedy action's colour gets stronger, up to full colour."""
+    return tuple(share * (range_of_v.high - range_of_v.low) for share in _LEADS)
