@@ -6,7 +6,7 @@ from itertools import combinations, pairwise
 from typing import Literal, get_args
 
 import pytest
-from colour_vision import contrast, least_distance, luminance
+from colour_vision import contrast, distance, least_distance, luminance
 from rich.color import Color, ColorSystem, ColorType
 from rich.segment import Segment
 from rich.style import Style
@@ -134,6 +134,13 @@ def test_colour_blind_eyes_tell_apart_what_must_be_told_apart(palette: Palette) 
     assert palette.good.color is not None
     assert palette.bad.color is not None
     assert least_distance(palette.good.color, palette.bad.color) > 20
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_negative_values_do_not_look_best(palette: Palette) -> None:
+    assert palette.best.color is not None
+    for ground in backgrounds(palette.signed)[: len(palette.signed) // 2]:
+        assert distance(ground, palette.best.color, "all cones") > 35
 
 
 def at(palette: Palette, name: str) -> tuple[Color, Color]:

@@ -25,7 +25,7 @@ from rich.style import Style
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.screen.theme.roles import Palette, dark_and_light, styles
 
-# Palettes in 24-bit colours: navy to yellow for values; brown, grey and teal for signed ones
+# Palettes in 24-bit colours: navy to yellow for values; red, grey and teal for signed ones, as for errors
 DARK, LIGHT = dark_and_light(
     "truecolor",
     inks=("#05080b", "#ffffff"),
@@ -34,8 +34,8 @@ DARK, LIGHT = dark_and_light(
         "#e3e6a8, #d6e6b0, #c5e3bd, #a6d7bd, #83c9be, #62b8c1, #48a3c0, #3587b4, #2a69a2, #234d8c, #1a3470",
     ),
     signed=(
-        "#ffb870, #d2863e, #a5652b, #784d2a, #554235, #3a4048, #2b4d63, #28677d, #3b8890, #67ae9e, #a2d8b0",
-        "#7f3600, #b2601b, #d38644, #e9a96d, #f2c79c, #e3e4e2, #add2df, #7cbad0, #539bbd, #3474a6, #1d4480",
+        "#ff978f, #da6e68, #af5450, #87433f, #673c38, #3a4048, #185064, #176476, #24808c, #38a1a8, #58cdcc",
+        "#a51a31, #c7444a, #de756e, #ee9f95, #f4c0b7, #e3e4e2, #9fd4ed, #6cbade, #419dc8, #0079b0, #00538c",
     ),
     visits=(
         "#2a323a, #3d464f, #57616b, #848e98, #a3adb6, #d3dae0",
@@ -76,7 +76,7 @@ DARK_256, LIGHT_256 = dark_and_light(
     "256",
     inks=("color(16)", "color(231)"),
     values=("18, 24, 30, 72, 114, 186, 227", "187, 150, 115, 73, 31, 25, 18"),
-    signed=("215, 172, 130, 237, 30, 73, 151", "94, 172, 180, 188, 110, 73, 25"),
+    signed=("210, 167, 95, 237, 25, 67, 74", "124, 167, 181, 188, 110, 67, 25"),
     visits=("236, 239, 145, 188", "188, 145, 239, 236"),
     unvisited=("color(145) on color(236)", "color(240) on color(188)"),
     page=("color(233)", "color(231)"),
