@@ -82,10 +82,10 @@ def test_what_is_said_of_arms_not_pulled_keeps_off_their_true_means(width: int) 
 
 def test_titles_are_shortened_by_whole_parts() -> None:
     view = ArmsView(bandit_world(), look())
-    view.picture(answered(bandit()), 28, 6)
+    view.picture(bandit(), 28, 6)
     assert view.footing == "↑↓ 1–6 of 10  −2…+2"
-    view.picture(answered(bandit()), 60, 6)
-    assert view.footing == "↑↓ 1–6 of 10  −2…+2  ◆ true mean  ★ best arm"
+    view.picture(bandit(), 16, 6)
+    assert view.footing == "↑↓ 1–6 of 10"
 
 
 def test_the_truth_is_drawn_only_when_revealed() -> None:
@@ -97,6 +97,16 @@ def test_the_truth_is_drawn_only_when_revealed() -> None:
     assert sum(row.count("◆") for row in rows) == 10
     assert [y for y, row in enumerate(rows) if "★" in row] == [10]  # arm 5 has the largest mean, 1.5
     assert rows[10].index("◆") > rows[10].index("┃")  # 1.5 against an estimate of 1.4
+
+
+def test_a_true_mean_is_no_notch_in_its_bar() -> None:
+    shown = answered(changed(bandit(), q=np.full(10, 2.0)))
+    strips = ArmsView(bandit_world(), look()).picture(shown, 60, 10)
+    marks = [(strip, strip.text.index("◆")) for strip in strips]
+    bars = [(style_at(strip, x - 1), style_at(strip, x)) for strip, x in marks]
+    grounds = [(bar.bgcolor, mark.bgcolor) for bar, mark in bars if bar and mark and bar.bgcolor]
+    assert len(grounds) > 3
+    assert all(bar == mark for bar, mark in grounds)
 
 
 def test_the_hidden_picture_does_not_depend_on_the_truth() -> None:

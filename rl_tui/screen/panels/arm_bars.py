@@ -194,6 +194,7 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
 
 def _draw_bar(canvas: Canvas, rows: range, arm: Arm, plot: _Plot, look: Look) -> None:
     glyphs, palette, y = look.glyphs, look.palette, rows.start
+    full = range(0)
     if arm.error is None:
         _draw_not_pulled(canvas, y, arm, plot, look)
     else:
@@ -207,12 +208,14 @@ def _draw_bar(canvas: Canvas, rows: range, arm: Arm, plot: _Plot, look: Look) ->
         first, last = plot.column(arm.estimate - arm.error), plot.column(arm.estimate + arm.error) + 1
         line = glyphs.whisker * (end - first) + glyphs.bar_end + glyphs.whisker * (last - end - 1)
         canvas.put(first, y, line, ink)
-        start, stop = start + (zero < end), stop - (end < zero)
-        inside = range(max(first, start), min(last, stop))
+        full = range(start + (zero < end), stop - (end < zero))
+        inside = range(max(first, full.start), min(last, full.stop))
         if ground.bgcolor and inside:
             canvas.put(inside.start, y, line[inside.start - first : inside.stop - first], ground)
     if arm.mean is not None:
-        canvas.put(plot.column(arm.mean), y, true_mean_glyph(look), palette.optimum + Style(bold=True))
+        x = plot.column(arm.mean)
+        ink = _bar_ground(arm.greedy, palette) if x in full else palette.optimum  # no notch in the bar
+        canvas.put(x, y, true_mean_glyph(look), ink + Style(bold=True))
     if arm.best:
         canvas.put(plot.left + plot.width, y, glyphs.best_arm, palette.optimum + Style(bold=True))
 

@@ -88,8 +88,6 @@ class ArmsView(WorldView):
         parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
         if len(arms) * each >= height:  # no row left for the axis
             parts.append(self._ends(scale))
-        if not is_secret(snapshot):
-            parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
         self.footing = self.fitting(("  ".join(parts[:count]) for count in range(len(parts), 0, -1)), width)
         names = names_width(arms, self.look)
         form = self.number_forms.form("estimates", all_q(snapshot), value_width(width, names))
@@ -102,13 +100,11 @@ class ArmsView(WorldView):
         """List the signs."""
         palette, glyphs = self.look.palette, self.look.glyphs
         truth = (
-            LegendSign(true_mean_glyph(self.look), "true mean", palette.optimum),
-            LegendSign(glyphs.best_arm, "best arm", palette.optimum),
+            LegendSign(true_mean_glyph(self.look), "true mean", palette.strong),
+            LegendSign(glyphs.best_arm, "best arm", palette.strong),
         )
-        # the border normally shows these, but while drawing it shows keys
-        shows_truth = self.is_drawn_on and self.snapshot is not None and not is_secret(self.snapshot)
         return (
-            *(truth if shows_truth else ()),
+            *(truth if self.snapshot is not None and not is_secret(self.snapshot) else ()),
             LegendSign(glyphs.agent, "last pull", palette.agent),
             LegendSign(glyphs.cursor, "greedy", palette.best),
             LegendSign(glyphs.bar_end, "estimate", palette.text),
