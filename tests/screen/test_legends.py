@@ -11,7 +11,7 @@ from conftest import MakeApp
 from drawn_grids import paying
 from rich.segment import Segment
 from rich.style import Style
-from samples import bandit, curve, lake, look, student
+from samples import answered, bandit, curve, lake, look, student
 from seams import app_at, on_screen, playground, press, train
 from snapshots import changed
 from textual.geometry import Size
@@ -22,6 +22,7 @@ from rl_tui.runs.library import recipe_for
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.draw.names import landmark
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import LegendSign, Panel, legend_text
 from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.screen.panels.arms import ArmsView
@@ -29,7 +30,7 @@ from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.text import BELOW_AXIS
 from rl_tui.screen.panels.graph.graph import GraphView
-from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.grid.grid import PALE, GridView
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.q_table.sheet import rare_signs
 from rl_tui.screen.panels.world.scale_line import ALL_ZERO
@@ -110,6 +111,18 @@ def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
     assert "╱ cliff" not in legend(explained(GridView(lake().world, look()), lake(), 60, 13))
     table = explained(QTable(look()), bandit(400), 60, 20)
     assert legend(table) == ["▌▐ greedy", "▐ just updated", "◉ last pull", "· not tried"]
+
+
+@pytest.mark.parametrize("layer", [Layer.Q, Layer.ERROR, Layer.VISITS])
+def test_arrows_are_explained_in_a_colour_of_the_layer(layer: Layer) -> None:
+    shown = answered(lake())
+    view = GridView(shown.world, look())
+    view.cell, view.wanted_layer = Size(13, 5), layer
+    view.show(shown)
+    view.picture(shown, 52, 21)
+    tints = {style.bgcolor for style in view.tints.tints(look().palette)}
+    (arrow,) = (sign.style for sign in view.legend(shown) if sign.meaning in ("greedy", PALE))
+    assert arrow.bgcolor in tints
 
 
 def test_an_end_whose_name_is_a_word_is_called_so() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Final
 
+from rich.style import Style
 from textual.geometry import Size
 from textual.strip import Strip
 
@@ -48,10 +49,12 @@ from rl_tui.screen.panels.margins import NO_MARGINS, LabelledPart, margins_in
 from rl_tui.screen.panels.world.scale_line import NamedScale
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.panels.world.view import SCALE_ROOM, WorldView
+from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.world import World
 
+_BOLD: Final = Style(bold=True)
 _DECIMALS: Final = 2
 PALE: Final = "pale: hardly better"
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
@@ -370,11 +373,11 @@ class GridView(WorldView):
 
     def signs(self) -> Iterator[LegendSign]:
         """Yield the signs on this map."""
-        palette, glyphs = self.look.palette, self.look.glyphs
+        palette, glyphs, ink = self.look.palette, self.look.glyphs, self._middle_ink
         form, signs, actions = self._form, self._map.signs, self._action_form
         if self._is_landscape:
             yield self.agent_sign()
-            yield from place_signs(self._map, self._kinds - {CellKind.START}, self.look, says_start=True)
+            yield from place_signs(self._map, self._kinds - {CellKind.START}, ink, self.look, says_start=True)
             return
         name = self._name_beside_arrows(form) if form else ""
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
@@ -386,38 +389,47 @@ class GridView(WorldView):
         if actions is not None or (form and form.has_values):
             yield from self.valueless_signs()
         if actions is not None:
-            yield from action_signs(actions, self.look)
+            yield from action_signs(actions, self.tints.tints(palette)[-1], self.look)
         elif self._has_several and has_arrows and not self.shows_drawing:
-            yield LegendSign(SEVERAL, "tie", palette.strong)
+            yield LegendSign(SEVERAL, "tie", ink)
         if actions is None and has_arrows:
-            yield from letter_signs(self._map, self.look)
+            yield from letter_signs(self._map, ink)
         yield self.agent_sign()
         has_edges = actions is None and form is not None and form.width >= LEAST_ARROWS
-        yield from ground_signs(self._map, self.look, has_edges=has_edges)
+        yield from ground_signs(self._map, ink, self.look, has_edges=has_edges)
         if self._map.unreached:
-            yield LegendSign(glyphs.unreached, "unreached", palette.dim)
+            yield LegendSign(glyphs.unreached, "unreached", palette.rule)
         if form is not None and self._longest_name > self._room_for_names(form):
             yield LegendSign("#", "no room", palette.dim)
         if actions is None:
             yield from self.missing_table_signs()
         if self.snapshot is not None and form is not None and not self._is_drawn:
             left = self._traces(self.snapshot)
-            yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
+            yield from trace_signs(left, ink, self.look, has_ways=form.has_blocks and actions is None)
         if actions is None and has_arrows and self._has_greedy and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
             has_blocks = form is not None and form.has_blocks and glyphs.braille
             is_block = has_blocks and isinstance(greedy, tuple)
             is_paled = palette.has_shades and self._has_pale and not self.shows_drawing
             sign = glyphs.head_up if is_block else sign_text(greedy, self.look)
-            yield LegendSign(sign, PALE if is_paled else self.policy_shown, palette.strong)
+            if is_paled:
+                yield LegendSign(sign, PALE, paled(ink, 0.0))
+            else:
+                yield LegendSign(sign, self.policy_shown, ink)
         says_start = form is not None and form.says_start and actions is None
-        yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
+        yield from place_signs(self._map, self._kinds, ink, self.look, says_start=says_start)
         if CellKind.WALL in self._kinds and not self._map.grid.legend:  # otherwise a wall looks like the page
             yield LegendSign(glyphs.wall, "wall", palette.wall)
         if form is not None and 0 < self._longest_name <= self._room_for_names(form):
             yield LegendSign(
                 self._own_name, "state number" if self._own_name.isdigit() else "state", palette.text
             )
+
+    @property
+    def _middle_ink(self) -> Style:
+        """The ink of arrows in the middle of the colour scale."""
+        (low, high), palette = self.tints.ends, self.look.palette
+        return (self.tints.style((low + high) / 2, palette) if low < high else palette.unvisited) + _BOLD
 
     def redraw(self) -> None:
         """Draw again, and report another visible part."""

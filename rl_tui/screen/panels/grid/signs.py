@@ -7,6 +7,7 @@ from itertools import compress
 from typing import Final
 
 from rich.segment import Segment
+from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.live.last_step.gust import gust_of
@@ -76,40 +77,40 @@ def differing_sign(width: int, name: str, look: Look) -> LegendSign:
     return LegendSign(sign, "differs", style)
 
 
-def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of every action."""
+def action_signs(form: ActionForm, highest: Style, look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of every action. ``highest``: the style of the best."""
     palette, glyphs = look.palette, look.glyphs
     # first, because between others it would look like a separator
     yield LegendSign(glyphs.untried, "not tried", palette.unvisited)
     if form.places is Places.TINTS:
-        yield LegendSign(glyphs.up, "greedy", palette.strong)
+        yield LegendSign(glyphs.up, "greedy", highest + Style(bold=True))
     else:
         frame = glyphs.mark_left + glyphs.mark_right if form.is_framed else glyphs.mark_after
         yield LegendSign(frame, "greedy", palette.best)
     if palette.tints:
-        yield LegendSign(" tint ", "Q", palette.value(1.0))
+        yield LegendSign(" tint ", "Q", highest)
 
 
-def letter_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
+def letter_signs(of: GridMap, ink: Style) -> Iterator[LegendSign]:
     """Yield the letters of actions."""
     for sign, name in zip(of.signs, of.action_names, strict=True):
         if isinstance(sign, str) and sign != name:
-            yield LegendSign(sign, name, look.palette.strong)
+            yield LegendSign(sign, name, ink)
 
 
-def ground_signs(of: GridMap, look: Look, *, has_edges: bool) -> Iterator[LegendSign]:
+def ground_signs(of: GridMap, ink: Style, look: Look, *, has_edges: bool) -> Iterator[LegendSign]:
     """Yield wind, walls between cells and one-way cells."""
     if of.grid.wind:
         yield LegendSign(wind_text(max(of.grid.wind, key=abs), look), WIND, look.palette.text)
     if of.grid.walls and has_edges:
-        yield LegendSign(look.glyphs.edges[1], "wall", look.palette.strong)
+        yield LegendSign(look.glyphs.edges[1], "wall", ink)
     if of.ways:
         sign = "".join(one_way_sign(way, look) for way in sorted(set(of.ways.values())))
-        yield LegendSign(sign, "one-way", look.palette.strong)
+        yield LegendSign(sign, "one-way", ink)
 
 
 def place_signs(
-    of: GridMap, kinds: frozenset[CellKind], look: Look, *, says_start: bool
+    of: GridMap, kinds: frozenset[CellKind], ink: Style, look: Look, *, says_start: bool
 ) -> Iterator[LegendSign]:
     """Yield terminal cells and the start."""
     palette, glyphs = look.palette, look.glyphs
@@ -120,7 +121,7 @@ def place_signs(
     )
     yield from (LegendSign(sign, of.ends[kind], style) for kind, sign, style in ends if kind in of.ends)
     if CellKind.START in kinds and not says_start:
-        yield LegendSign(START, "start", palette.text)
+        yield LegendSign(START, "start", ink)
 
 
 def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look) -> Iterator[LegendSign]:

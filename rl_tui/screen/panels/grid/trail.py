@@ -128,7 +128,6 @@ def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
 def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
     """Draw the path on the crossed edge."""
     down, right = way.direction
-    style = look.palette.agent + (Style(color=look.palette.bad.color) if way.slipped else Style.null())
     sign = way_text(way, look)
     if canvas.width >= _LEAST_PADDED and not right:
         sign = f" {sign} "
@@ -140,7 +139,12 @@ def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
     while cuts and x >= 0 and canvas.at(x, row).isalpha():  # a word is whole or not at all
         canvas.put_over(x, row, " ", Style.null())
         x -= 1
-    canvas.put(column, row, sign, style)
+    canvas.put(column, row, sign, way_style(way, look))
+
+
+def way_style(way: LastWay, look: Look) -> Style:
+    """Return the style of a path, red if the agent slipped."""
+    return look.palette.agent + (Style(color=look.palette.bad.color) if way.slipped else Style.null())
 
 
 def way_text(way: LastWay, look: Look) -> str:
@@ -158,10 +162,10 @@ def way_text(way: LastWay, look: Look) -> str:
     return glyphs.direction(way.direction)
 
 
-def trace_signs(left: dict[int, Trace], look: Look, *, has_ways: bool) -> Iterator[LegendSign]:
+def trace_signs(left: dict[int, Trace], ink: Style, look: Look, *, has_ways: bool) -> Iterator[LegendSign]:
     """Yield the signs of trail and slip."""
     if any(trace.was_here for trace in left.values()):
-        yield LegendSign(look.glyphs.trail, "trail", look.palette.strong)
+        yield LegendSign(look.glyphs.trail, "trail", ink)
     slips = (trace.way for trace in left.values() if trace.way is not None and trace.way.slipped)
     for way in slips if has_ways else ():
-        yield LegendSign(way_text(way, look), "slipped", look.palette.bad)
+        yield LegendSign(way_text(way, look), "slipped", way_style(way, look))

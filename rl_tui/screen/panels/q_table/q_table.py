@@ -215,6 +215,8 @@ class QTable(Panel, can_focus=True):
         layer, has_choice = self.shown_layer, len(snapshot.world.space.action_names) > 1
         is_learned = layer not in LEARNED_NOT
         greedy = GREEDY_IN_FULL if is_learned else ""  # in Q*, greedy is optimal
+        lit = lit_pair(snapshot)
+        updated = palette.good if lit is None else palette.error(lit.error)
         framed = "likeliest" if layer is Layer.POLICY else "greedy"
         if layer is Layer.Q and not has_estimates(snapshot):
             return ()
@@ -222,7 +224,7 @@ class QTable(Panel, can_focus=True):
             *mark_signs(snapshot.editor, self.look),
             *([LegendSign(frame, framed, palette.best, greedy)] if has_choice else []),
             *([no_value_sign(self.look)] if lacks_values(snapshot, layer) else []),
-            *([LegendSign(glyphs.lit, "just updated", palette.good)] if is_learned and self.lights else []),
+            *([LegendSign(glyphs.lit, "just updated", updated)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
             *self._rare,
             *([LegendSign(glyphs.untried, "not tried", palette.unvisited)] if is_learned else []),
