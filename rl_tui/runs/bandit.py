@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
@@ -70,7 +69,7 @@ def bandit_figures(
 
     `visits`, `[P]`, are pulls. `drifted` and `settled` are sums since and before the last edit.
     """
-    if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
+    if not world.is_bandit or world.mdp is None or world.budget is None:
         return None
     pulls, regret, best_possible, best_pulls, _ = settle(world.mdp, visits, settled, drifted)
     return BanditFigures(

@@ -26,7 +26,6 @@ from rl_tui.live.last_step.gust import gust_of
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import AgentView, Snapshot
 from rl_tui.programs.evidence.verdict import Rule, UpdateFound, UpdateTarget
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 from rl_tui.worlds.world import World
@@ -211,11 +210,6 @@ class StepStory:
         return program is None or (
             self.has_equation and reads_by_the_book(self.terms, program.verdict.update, self.last)
         )
-
-    @property
-    def is_bandit(self) -> bool:
-        """True if every step is an episode."""
-        return isinstance(self.world.drawing, Arms)
 
     @property
     def bootstraps(self) -> bool:

@@ -14,7 +14,6 @@ from rl_tui.live.pace.until import Breakpoints, Event, Until
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.exact_answers import PENDING
 from rl_tui.runs.recipe import UNLIMITED
-from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.policy_evaluation import Solution
@@ -156,7 +155,7 @@ def _takes_the_best(mdp: TabularMDP, policy: FloatArray, optimum: Solution) -> b
 
 def until_in_words(until: Until, world: World) -> str:
     """Describe `until` in words after "until"."""
-    is_bandit = isinstance(world.drawing, Arms)
+    is_bandit = world.is_bandit
     match until.event:
         case Event.STEP:
             return f"{'pull' if is_bandit else 'step'} {until.number:,}"
@@ -177,7 +176,7 @@ def breakpoint_in_words(run: PlayedRun) -> str:
     """Describe the breakpoint just met, or ""."""
     noticed, space = run.learner.noticed, run.world.space
     if noticed.pair is not None:
-        arm = "arm " if isinstance(run.world.drawing, Arms) else ""
+        arm = "arm " if run.world.is_bandit else ""
         return f"breakpoint: {arm}{_pair_in_words(space, noticed.pair)}"
     return "" if noticed.state is None else f"breakpoint: state {space.state_names[noticed.state]}"
 

@@ -13,7 +13,6 @@ from rl_tui.live.pace.pacing import CHUNK, TICK, ChunkSize, Pace, SpeedMeter
 from rl_tui.live.pace.stop_condition import is_optimal
 from rl_tui.runs.large_worlds import is_large
 from rl_tui.runs.recipe import UNLIMITED
-from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.agents.kernels.machine_code import Loop
@@ -81,7 +80,7 @@ class LearningPace:
         self._rests = 0
         self._judged_at = now
         self._count(run)
-        if isinstance(run.world.drawing, Arms):
+        if run.world.is_bandit:
             self._enter(Stage.PULLS, now)
         elif self._has_optimal_policy(run):
             self._enter(Stage.OPTIMAL, now)

@@ -35,7 +35,6 @@ from rl_tui.runs.timeline.branching_run import BranchingRun
 from rl_tui.runs.timeline.lane_view import LaneView, RunGroupView
 from rl_tui.runs.timeline.playing import Playing
 from rl_tui.runs.timeline.run_names import LanePast, difference, distinct, lane_names
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 MOST: Final = 4
@@ -67,7 +66,7 @@ class RunGroup:
         self._resumes = False
         self.first = EditedWorld(world) if program is None else program.run.edited
         """The world at the start, shared by all runs."""
-        self._unit = "pull" if isinstance(world.drawing, Arms) else "step"
+        self._unit = "pull" if world.is_bandit else "step"
         self._pasts: list[LanePast] = []
         self._names: list[str] = []
         self._clock = clock

@@ -26,7 +26,6 @@ from rl_tui.runs.measures import BANDIT_FIGURES, FIGURES, measured_run
 from rl_tui.runs.recipe import UNLIMITED, JournalEntry, Recipe, WorldChange, begin
 from rl_tui.runs.run import OnEpisodes, Run, each_of
 from rl_tui.runs.training.compile_or_interpret import Patience, batching_pays, pays, seconds_interpreted
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
@@ -153,7 +152,7 @@ def curve_of_run(
 
     Without a `curve` that listened, the same episodes are trained again. Raises UserError.
     """
-    bandit, episodes = isinstance(run.world.drawing, Arms), run.learner.episodes
+    bandit, episodes = run.world.is_bandit, run.learner.episodes
     if run.learner.plans or episodes == 0:
         return no_curve(bandit)
     if curve is None:
@@ -218,7 +217,7 @@ class SeededRuns:
         self.first = Run(recipe, begin(recipe, known), evaluate=False)
         """The first run, untrained."""
         self.first_seed = recipe.seed
-        self.is_bandit = isinstance(self.first.world.drawing, Arms)
+        self.is_bandit = self.first.world.is_bandit
         """True if the world is a bandit."""
         self.plans = self.first.learner.plans
         """True if there are sweeps instead of episodes."""

@@ -14,7 +14,6 @@ from rl_tui.runs.background.background import Background
 from rl_tui.runs.library import MOST_EPISODES, episodes_of
 from rl_tui.runs.recipe import JournalEntry, Recipe, SwitchAlgorithm, TakeAction, WorldChange
 from rl_tui.studies.many_seeds.figures import SeedStudy, StudyState
-from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.runs.timeline.run_group import RunGroup
@@ -132,7 +131,7 @@ def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None,
     plans = any(lane.plans for lane in lanes)
     is_changed = any(0 < entry.step <= step for lane in lanes for entry in _settings_only(lane).journal)
     # each pull of a bandit is an episode
-    if step and (plans or (is_changed and not isinstance(world.drawing, Arms))):
+    if step and (plans or (is_changed and not world.is_bandit)):
         why = "a planner's backups are steps, not episodes" if plans else f"{_changed(lanes)} during the run"
         steps = min(step, MOST_STEPS)
         further = ", although this run has more" if step > steps else ""

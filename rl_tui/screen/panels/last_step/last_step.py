@@ -141,7 +141,7 @@ class StepWriter:
         words = self.words
         if self._last.planned:
             return [self._plain(f" {self._which_sweep}")] if is_short else self._sweep()
-        if self._story.is_bandit:
+        if self._story.world.is_bandit:
             line = [self._dim(" pulled "), self._strong(words.action)]
             line += [self._dim(f"{_GAP}reward "), self._strong(words.reward)]
             return self._fitting([[*line, self._dim(f"{_GAP}N {self._story.visits:,}")], line])

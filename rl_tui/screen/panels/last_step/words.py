@@ -56,7 +56,7 @@ class StepWords:
         self.meant, self.went = action(story.meant), action(story.went)
         self.chance = "" if story.chance is None else names.chance(story.chance, glyphs)
         self.reward = numbers.brief(last.reward, glyphs, decimals=4)
-        self.next_state = "" if story.is_bandit else names.state_name(world, last.next_state, glyphs)
+        self.next_state = "" if story.world.is_bandit else names.state_name(world, last.next_state, glyphs)
         self.landmark = names.landmark(world, last.next_state)
         self.endings = _endings(story)
         estimate = f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
@@ -121,7 +121,7 @@ def _bootstrap(story: StepStory, glyphs: Glyphs) -> str:
 
 
 def _endings(story: StepStory) -> Sequence[str]:
-    if story.is_bandit or story.last.planned:
+    if story.world.is_bandit or story.last.planned:
         return ()
     if story.last.terminated:
         return "the episode ends", "ends"

@@ -243,7 +243,7 @@ def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Seque
     elif planned:
         yield Text("a planner uses the expected target, without luck", dim)
     else:
-        symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
+        symbols = "mean reward" if words.story.world.is_bandit else "Σ p (r + γ V(s′))"
         yield _target("expected", symbols, backup.expected, decimals, look)
         difference = backup.sampled - backup.expected
         reason = _reason(words.story, backup, difference)

@@ -153,7 +153,7 @@ def _parts(words: StepWords) -> Iterator[tuple[str, Sequence[_Form]]]:
         yield (
             "next",
             _remarks("none: every pull is an episode", "none")
-            if words.story.is_bandit
+            if words.story.world.is_bandit
             else [
                 *(
                     ("s′ = ", words.next_state, ", ".join(filter(None, (moved, words.landmark, ending))))
@@ -195,7 +195,7 @@ def _which(story: StepStory) -> Sequence[str]:
     last, step = story.last, f"{story.last.step:,}"
     if last.planned:
         return f"{step}, {'ended the sweep' if story.ends_episode else f'sweep {last.episode:,}'}", step
-    if story.is_bandit:
+    if story.world.is_bandit:
         return (step,)
     if story.ends_episode:
         within, episode = f"{ENDED} after {counted(last.episode_step, 'step')}", ENDED

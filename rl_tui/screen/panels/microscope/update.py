@@ -72,7 +72,7 @@ def _return_blocks(story: StepStory, look: Look) -> Iterator[Block]:
 
 
 def _meaning(story: StepStory) -> str:
-    if story.is_bandit:
+    if story.world.is_bandit:
         return "each pull is an episode: its return is r"
     if not story.has_one_gamma:
         return "γ changed in this episode: each step uses its own γ"
@@ -225,7 +225,7 @@ def _terms(words: StepWords, look: Look, source: Style) -> Iterator[Line]:
     if words.bootstrap:
         looked_up = Piece(f" is {_looked_up(words, look)}", palette.dim)
         yield [Piece(_GAP, palette.text), Piece(update.bootstrap, source), looked_up]
-    elif story.last.terminated and not story.is_bandit:
+    elif story.last.terminated and not story.world.is_bandit:
         yield [Piece(f"{_GAP}terminal: nothing is added for the next state", palette.dim)]
 
 

@@ -248,7 +248,7 @@ class ListForm:
 
 def list_form(scene: Scene, width: int) -> ListForm:
     """Return the form with the current layer."""
-    columns = _arm_columns(scene, width) if scene.world.is_bandit else _pair_columns(scene, width)
+    columns = _arm_columns(scene, width) if scene.snapshot.world.is_bandit else _pair_columns(scene, width)
     while columns and sum(column.width for column in columns) > width:
         columns.remove(max(columns, key=lambda column: column.rank))
     return ListForm(scene, tuple(columns))
@@ -381,7 +381,7 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
     shown = replace(scene, cursor=None) if counts else scene
     columns = []
     for layer in layers:
-        head = _ARM_HEADS.get(layer, layer) if scene.world.is_bandit else layer
+        head = _ARM_HEADS.get(layer, layer) if scene.snapshot.world.is_bandit else layer
         is_main = layer is main
         rank = (3 if counts else 0) if is_main else 2
         columns.append(Column(head, BOX, rank, _value(shown, layer, is_main, has_frames=not counts), _right))

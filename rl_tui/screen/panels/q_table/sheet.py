@@ -114,9 +114,9 @@ class Sheet:
         if room < 2 or not isinstance(self.form, ListForm):
             return []
         note: Pieces = []
-        if scene.world.is_bandit and hides_means(scene.snapshot):
+        if hides_means(scene.snapshot):
             note = [Segment("  w h", palette.press), Segment("  show the true means q*", palette.dim)]
-        elif not scene.world.is_bandit and len(scene.world.live) <= _STATES_IN_GREEDY_LINE:
+        elif not scene.snapshot.world.is_bandit and len(scene.world.live) <= _STATES_IN_GREEDY_LINE:
             text = scene.look.glyphs.separated(greedy_line(scene))
             note = [Segment(f" {text}", palette.dim)] if text else []
         return [[], note] if note and sum(segment.cell_length for segment in note) <= self._width else []

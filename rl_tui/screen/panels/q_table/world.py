@@ -45,7 +45,6 @@ class TableWorld:
         self.world = world
         self.space = world.space
         self.glyphs = glyphs
-        self.is_bandit = world.is_bandit
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
         if isinstance(world.drawing, Grid) and world.drawing.idle_cell is not None:
             cell_of_state = np.array(world.drawing.cell_of_state)

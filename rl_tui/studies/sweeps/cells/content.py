@@ -27,7 +27,6 @@ from rl_tui.runs.edited_world import edited_draft
 from rl_tui.runs.figures import MOST_STATES, optimum_of
 from rl_tui.runs.library import find
 from rl_tui.studies.sweeps.cells.variation import Value, written
-from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.editing.drafts import first_draft
 from rl_tui.worlds.editing.edit import PREFIX, Edit, read_edits
 from rl_tui.worlds.editing.saving import section_text, value_text
@@ -265,7 +264,7 @@ def _size(known: WorldContent | UserError) -> int:
 
 def _digest(scenario: Scenario, world: World) -> str:
     section = scenario.section
-    said: dict[str, Any] = {"arms": isinstance(world.drawing, Arms)}
+    said: dict[str, Any] = {"arms": world.is_bandit}
     if section.drawn_from_seed:
         said |= {"drawn": scenario.kind, "section": section.model_dump(mode="json", by_alias=True)}
         said["section"].pop("budget", None)  # it only ends a run on screen
