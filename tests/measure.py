@@ -36,7 +36,8 @@ IMPORTS: Final = (sys.executable, "-c", "import numpy, numba, gymnasium")
 EMPTY_APP: Final = (sys.executable, "-c", "from textual.app import App; App().run()")
 FULL_SPEED: Final = " " + "+" * 9
 LIVE_SECONDS: Final = 6.0
-LAYERS: Final = (r"Q\*", r"Q−Q\*", "visits", "landscape", "Q")  # in the order of the key v
+# The map's scale in each layer, in the order of the key v
+SCALES: Final = ("exact value", "error", r"visits \d", "a line every", r"(?m)^ *value (?!.*a line every)")
 STEPS: Final = re.compile(r"step +([\d,]+)\s")
 MEMORY: Final = """
 import os, sys
@@ -245,7 +246,7 @@ def live(rounds: int) -> Rows:
             terminal.wait_for(r"step\s+\d{1,3}(,\d{3}){2,}")
             on_screen.append(_live_speed(terminal))
             for turn in range(12):
-                layers += [_delay(terminal, turn, "v", f"▌{layer}▐") for layer in LAYERS]
+                layers += [_delay(terminal, turn, "v", scale) for scale in SCALES]
                 changes.append(_delay(terminal, turn, "-", "100,000/s"))
                 changes.append(_delay(terminal, turn, "+", "▶ max"))
             terminal.press("qq")
