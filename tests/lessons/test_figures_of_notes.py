@@ -98,7 +98,7 @@ CLAIMS: Final = (
     Claim(LARGE, "in 80.4 ± 1.1 episodes of 100", BECAME, 10_000, runs=20, scale=PERCENT),
     Claim(
         LARGE,
-        "It gains nothing here: 80 ± 3 of 100",
+        "This gains nothing here: 80 ± 3 of 100",
         BECAME,
         10_000,
         runs=15,
