@@ -131,7 +131,7 @@ def test_a_few_steps_that_move_the_next_state_are_a_note(learner: Learner) -> No
     verdict, steps = verdict_of(log), log.recording.steps
     assert verdict.findings == ()
     assert (
-        "Too few numbers of the table have changed so far: 2 steps changed one, after 2 rewards."
+        "Too few numbers of the table have changed so far: 2 steps changed a number, after 2 rewards."
         in verdict.notes
     )
     told = [note for note in verdict.notes if "changed, not Q(s, a)" in note]

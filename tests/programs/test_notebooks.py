@@ -97,11 +97,11 @@ def test_a_notebook_in_another_language_is_refused(tmp_path: Path) -> None:
 def test_an_installation_without_a_sign_is_skipped(tmp_path: Path) -> None:
     log = watched(notebook_in(tmp_path, "pip install some-package", "print(1)"))
     assert (log.error, lines_of(log)) == (None, ["1"])
-    assert log.notes[0] == "1 line for notebooks only is skipped"
+    assert log.notes[0] == "1 line that only notebooks understand is skipped"
 
 
 def test_a_mistake_is_shown_as_the_cell_has_it(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r'cell 2, line 2: .*: "x = \(1"$'):
+    with pytest.raises(UserError, match=r'cell 2, line 2: .* in "x = \(1"$'):
         check_script(notebook_in(tmp_path, "text: A mistake", "y = 'a'\nx = (1\n"))
 
 
@@ -113,7 +113,7 @@ def test_a_notebook_is_watched(tmp_path: Path) -> None:
     )
     log = watched(path)
     assert log.error is None
-    assert log.notes[0] == "2 lines for notebooks only are skipped"
+    assert log.notes[0] == "2 lines that only notebooks understand are skipped"
     update = verdict_of(log).update
     assert (update.alpha, update.gamma) == (pytest.approx(0.5), pytest.approx(0.9))
     assert cell_of(*log.called["step"]) == (3, 9)

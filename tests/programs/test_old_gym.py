@@ -14,8 +14,8 @@ from rl_tui.programs.grading.watch_report import learned_figures
 pytestmark = pytest.mark.process
 
 NOTE = (
-    "the script imports the old gym: Gymnasium replaces it, and each call of reset and step gets the form it "
-    "expects"
+    "the script imports the old gym: Gymnasium replaces it, and reset and step return as many values as the "
+    "script expects"
 )
 LEARNING = """
 import numpy as np

@@ -308,7 +308,7 @@ def test_nothing_is_said_of_a_method_that_is_no_step_after_all(tmp_path: Path) -
     """
     log = watched(script_in(tmp_path, text))
     assert (log.error, log.recording.count, len(log.notes)) == (None, 0, 1)
-    assert log.notes[0].startswith("nothing to watch: ")
+    assert log.notes[0].startswith("nothing to watch, ")
 
 
 LOOKS = """\

@@ -220,7 +220,7 @@ def test_a_program_that_breaks_down_stops_at_its_step(
 def test_without_an_environment_it_is_refused_in_a_sentence(tmp_path: Path) -> None:
     program = WatchedProgram(ProgramRequest(written(tmp_path, "print('hello')")))
     try:
-        with pytest.raises(UserError, match="before rl-tui found an environment"):
+        with pytest.raises(UserError, match="before its first step: nothing to watch, because"):
             program.wait_for_environment()
     finally:
         program.end()

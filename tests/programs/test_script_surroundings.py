@@ -13,8 +13,8 @@ from rl_tui.programs.watched.program_process import LAST_KEPT, MOST_A_SECOND
 pytestmark = pytest.mark.process
 
 NO_ENVIRONMENT = (
-    "nothing to watch: the script takes no step in an environment of Gymnasium, a class with reset() and "
-    "step(action), or a function step(state, action)"
+    "nothing to watch, because rl-tui sees only steps in a Gymnasium environment, in a class with reset() "
+    "and step(action), or in a function step(state, action)"
 )
 
 
@@ -258,7 +258,7 @@ def test_lines_of_a_notebook_are_skipped_and_counted(tmp_path: Path) -> None:
     )
     log = watched(path)
     assert lines_of(log) == ["3 % not a line of a notebook"]
-    assert log.notes == ["4 lines for notebooks only are skipped"]
+    assert log.notes == ["4 lines that only notebooks understand are skipped"]
     assert log.error.line == 11
 
 

@@ -88,7 +88,7 @@ async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeAp
         number = both.run_group.shown + 1
         assert pilot.app.screen.query_one("#box").border_title == f"Export · run {number} of 2"
         about = str(pilot.app.screen.query_one("#about", Static).render())
-        assert f"Only run {number} of 2. The others are left out." in " ".join(about.split())
+        assert f"Only run {number} of 2 is exported." in " ".join(about.split())
     assert f"It contains only run {number} of 2." in " ".join(script_of(both).split())
     assert f"(the run had {both.counters.episodes:,})" in script_of(both)
     assert "It contains only run" not in script_of(first)

@@ -56,7 +56,7 @@ def lanes(study: SeedStudy, **changes: Any) -> Snapshot:
 
 def test_each_figure_stands_beside_its_mean_and_error() -> None:
     lines = [line.split() for line in drawn(changed(lake(), study=lake_study())).splitlines()]
-    assert ["last", "100", ".410", ".402", "±", ".010"] in lines
+    assert ["return", "of", "the", "last", "100", ".410", ".402", "±", ".010"] in lines
     assert ["greedy,", "exact", ".730", ".710", "±", ".006"] in lines
 
 
@@ -74,7 +74,7 @@ def test_it_tells_how_far_it_has_come_and_of_which_seeds() -> None:
     assert "seeds 0–63" in text
     assert "about 40 s left" in said(changed(lake(), study=lake_study(how_long="about 40 s left")))
     done = said(changed(lake(), study=lake_study(state=StudyState.DONE, seeds=256)))
-    assert done.startswith("256 seeds · episodes 1–500 this seed")
+    assert done.startswith("256 seeds · episodes 1–500 return of the last 100: this seed")
     by_steps = said(changed(lake(), study=lake_study(episodes=None, steps=2_000_000)))
     assert "seeds · steps 1–2,000,000" in by_steps
     assert "seeds · pulls 1–1,000" in said(changed(bandit(400), study=bandit_study()))
@@ -102,7 +102,7 @@ def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
     )
     text = said(changed(lake(), study=lake_study(lanes=(lane,), episodes=48), episodes=48))
     assert "last 48 .410" in text
-    assert "last 48 within" in text
+    assert "last 48: this seed is typical" in text
     assert "last 100" not in text
     assert "mean return" not in text  # the same figure
     assert "mean return .410" in said(changed(lake(), study=lake_study(lanes=(lane,))))
@@ -111,9 +111,9 @@ def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
 @pytest.mark.parametrize(
     ("own", "words"),
     [
-        (0.41, "this seed is typical: last 100 within 1 SD (.083) of the mean"),
-        (0.60, "this seed's last 100 is 2.4 SD (.083) above the mean"),
-        (0.20, "this seed's last 100 is 2.4 SD (.083) below the mean"),
+        (0.41, "this seed is typical, within 1 standard deviation (.083) of the mean"),
+        (0.60, "return of the last 100: this seed is 2.4 standard deviations of .083 above the mean"),
+        (0.20, "return of the last 100: this seed is 2.4 standard deviations of .083 below the mean"),
     ],
 )
 def test_it_says_how_usual_this_seed_is(own: float, words: str) -> None:

@@ -82,7 +82,7 @@ def test_an_update_that_is_not_known_says_why_and_nothing_else() -> None:
 
 
 def test_where_the_whole_reason_does_not_fit_its_details_are_left_out() -> None:
-    few = "Too few numbers of the table have changed so far: 1 step changed one, after 0 rewards."
+    few = "Too few numbers of the table have changed so far: 1 step changed a number, after 0 rewards."
     gamma = "γ is not known yet: the values of the next states were 0, or always the same."
     text = drawn(ProgramPanel, unknown(few), 44, 6)
     assert f"{UNKNOWN}: too few numbers of the table have changed so far" in " ".join(text.split())
@@ -280,7 +280,7 @@ def test_a_step_that_departs_says_so() -> None:
     assert picture.program is not None
     picture = replace(picture, program=replace(picture.program, verdict=ProgramVerdict(update=KNOWN)))
     picture = changed(picture, author=Author(OWN_PROGRAM.id, picture.agent.hyperparameters))
-    assert "this step differs from the update that fits the others" in story(picture, 110)
+    assert "this step does not fit the update rule of the other steps" in story(picture, 110)
 
 
 def test_a_step_size_that_varies_is_that_of_the_step() -> None:

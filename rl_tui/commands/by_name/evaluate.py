@@ -47,7 +47,7 @@ _FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
     type=ParameterValue(PARAMETERS["epsilon"]),
     default=0.0,
     show_default=True,
-    help="probability that a random action replaces the policy's",
+    help="probability that a random action replaces the action of the policy",
 )
 @parameter_option("gamma", "  [default: the scenario's]")
 @algorithm_option("trained_by", _FOR_GREEDY)

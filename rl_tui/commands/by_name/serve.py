@@ -48,7 +48,9 @@ _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[ser
     show_default=True,
     help="largest number of people at once, each with a process",
 )
-@click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, like play")
+@click.option(
+    "--no-kiosk", is_flag=True, help="let the browser read and write your files, as rl-tui play does"
+)
 @click.option("--yes", is_flag=True, help="do not ask before other machines get access")
 @display_options
 @click.pass_context

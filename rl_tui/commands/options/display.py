@@ -58,7 +58,7 @@ panels_option: Final = click.option(
     "--panels",
     type=PanelNames(),
     metavar="few|all|NAME,…",
-    help="panels at the start; with few, more appear when they are useful  [default: the scenario's]",
+    help="panels at the start (few: others appear when they are useful)  [default: the scenario's]",
 )
 big_option: Final = click.option("--big", is_flag=True, help="start with the world in full screen (f)")
 

@@ -348,7 +348,7 @@ def _why_none(sample: Sample, dtype: str) -> str:
     if int(np.sum(sample.change != 0.0)) < FEWEST:
         moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
         rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")
-        return f"Too few numbers of the table have changed so far: {moved} changed one, after {rewards}."
+        return f"Too few numbers of the table have changed so far: {moved} changed a number, after {rewards}."
     if np.all(sample.change[sample.change != 0.0] == 1.0):
         return "Each step adds 1 to one number: the table counts visits and is not a table of values."
     if sample.evidence.whole_numbers and dtype.startswith(("int", "uint")):

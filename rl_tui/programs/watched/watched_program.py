@@ -222,13 +222,13 @@ def _why_nothing_is_shown(log: ProgramLog) -> str:
     if log.error is not None:
         return error_in_words(log.error)
     why = "; ".join(log.notes) or "expected gymnasium.make, with discrete observations and actions"
-    return one_line(f"it ended before rl-tui found an environment to watch: {why}", _LONGEST)
+    return one_line(f"it ended before its first step: {why}", _LONGEST)
 
 
 def error_in_words(error: ProgramError) -> str:
     """Return the exception in one line, with its place."""
-    place = "" if error.line is None else f"{place_in_words(error.file, error.line)}: "
-    return one_line(f"{place}{error.type}: {error.text}", _LONGEST)
+    place = "" if error.line is None else f" in {place_in_words(error.file, error.line)}"
+    return one_line(f"{error.type}{place}: {error.text}", _LONGEST)
 
 
 def _name(request: ProgramRequest) -> str:

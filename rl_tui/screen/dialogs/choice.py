@@ -20,7 +20,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace
 # Algorithm and policy
 
 
-_TAKEN: Final = "this run has it"
+_TAKEN: Final = "used by this run"
 
 
 def algorithm_choice(

@@ -33,7 +33,7 @@ KINDS: Final = {
         "-q.npy",
     ),
     RETURNS: (
-        *("Returns as CSV", "Undiscounted return and length of every episode. This repeats the run."),
+        *("Returns as CSV", "Undiscounted return and length of every episode. The run is repeated for it."),
         "-returns.csv",
     ),
     POLICY: (
@@ -57,7 +57,7 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
     lane, timeline, row = lane_shown(snapshot), snapshot.timeline, snapshot.agent.row
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
     only = " and ".join(filter(None, (lane and f"run {lane}", branch)))
-    run = f"Only {only}. The others are left out." if only else ""
+    run = f"Only {only} is exported." if only else ""
     left_out = {
         RETURNS: f"{counted(snapshot.counters.episodes, 'episode')}. The unfinished episode is left out.",
         Q_ARRAY: "Visits are left out.",
@@ -120,7 +120,7 @@ class CommandLine(Dialog[str]):
     def action_copy(self) -> None:
         """Copy through the terminal (OSC 52), which may forbid it."""
         self.app.copy_to_clipboard(self._line)
-        self.notify("Copied. If it does not paste, press w to write a file.")
+        self.notify("Copied. If you cannot paste, press w to write a file.")
 
     def action_write(self) -> None:
         """Answer the command, to be written."""

@@ -145,7 +145,7 @@ def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
             raise ValueError(expected)
         return int(digits)
 
-    hint = f"now {now}. The run goes at full speed and pauses there"
+    hint = f"now {now}. The run goes on at full speed, and pauses at your number"
     return Prompt(f"Run until {noun}", hint, str(min(example, most)), read)
 
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 _LEFT: Final = 14  # columns
 _ASKING: Final = (
-    "Point with the mouse at a word, or give a panel or slider the focus with tab, and press ?. You get "
-    "its meaning, its equation and its place in Sutton and Barto. / finds any word. Return always means "
+    "Point with the mouse at a word and press ?, or give a panel or slider the focus with tab and press ? "
+    "twice. You get meaning, equation and place in Sutton and Barto. / finds any word. Return always means "
     "the plain sum of the rewards of an episode. With γ it is called discounted return, or value."
 )
 _HIDING: Final = "m l hides or shows the legends of panels."
@@ -42,9 +42,10 @@ _TOPICS: Final = (
     ),
     (
         "Planners",
-        "Value iteration and policy iteration take no steps: they read the transition table. s backs up "
-        "one state, e runs a sweep, and space runs and pauses. The curve has only the exact return of the "
-        "greedy policy. A planner is done when no value changes any more. Change γ, and it continues.",
+        "Value iteration and policy iteration take no steps: they read the transition table. s updates "
+        "one state, e runs a sweep over all states, and space runs and pauses. The curve has only the exact "
+        "return of the greedy policy. A planner is done when no value changes any more. Change γ, and it "
+        "continues.",
     ),
     (
         "Simulated",
@@ -59,9 +60,9 @@ _TOPICS: Final = (
     ),
     (
         "You",
-        "y makes you the agent. An arrow takes the action of its direction, a digit the first, second … "
-        "action on the border of the world. The agent learns from your steps as from its own. s lets "
-        "the agent take one step. y or esc gives control back.",
+        "y makes you the agent. An arrow key takes the action of its direction. A digit takes the action "
+        "that has this number on the border of the world. The agent learns from your steps as from its own. "
+        "s lets the agent take one step. y or esc gives control back.",
     ),
     (
         "Focus",

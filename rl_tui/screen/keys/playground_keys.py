@@ -210,7 +210,7 @@ _COMPARE: Final[tuple[Action, ...]] = (
     Action("lanes.another_branch", "c b", "a branch", "Compare with another branch of this run.").also(
         takes_steps=True, not_for_program="your program has one branch. c a: an agent beside it"
     ),
-    Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and the second one shown."),
+    Action("lanes.show_runs", "c c", "runs…", "Choose the run to control, and another to show."),
     Action("lanes.next_lane", "c l", "next run", "Switch to the next run.").also(
         old="l", not_for_program="keys control your program here. c o: one run, or two"
     ),

@@ -47,8 +47,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "World",
         "Colour and number show V(s): how good a state looks to the agent. Arrows, bold edges or ▸ mark "
         "greedy actions, which look best. Several arrows, or *, mean a tie. ◉ agent, ★ goal, ● hole, ╱ "
-        "cliff, S start, · no greedy action yet. A frame marks the last update, ◤ a difference between two "
-        "runs. A bandit's arm shows its estimate ± standard error.",
+        "cliff, S start, · no greedy action yet. A frame marks the last update. ◤ marks a difference between "
+        "two runs. A bandit's arm shows its estimate ± standard error.",
         caption="where the agent acts",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
@@ -83,10 +83,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
-        "Filled: mean return of the last ten episodes, more in long runs. Solid: the greedy policy's "
-        "exact return, with a gap if that policy may never end. Dashed: the optimal return, or a policy of "
-        "t p. ▾ ▴: values outside the axis. If all returns are equal, the chart shows steps, with one action "
-        "per state the error of V.",
+        "Filled: mean return of the last ten episodes (of more in long runs). Solid: the greedy policy's "
+        "exact return, with a gap if it may never end. Dashed: the optimal return, or a policy of t p. ▾ ▴: "
+        "values outside the axis. The chart shows steps if all returns are equal, V's error if no state has "
+        "two actions.",
         caption="what each episode has earned",
         terms=(
             *("return", "episode", "greedy", "last-100", "gamma-best"),
@@ -122,9 +122,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.CONTROLS,
         "rl_tui.screen.panels.controls.controls:Controls",
         "Agent",
-        "Each setting that has an effect now has a slider. 1 to 4 go to a slider, left and right change it, "
-        "and enter types a value. ┃ on γ is a flip point: { and } go to it. A change applies from the next "
-        "step. A new initial Q (r i) or seed (r s) restarts the run. a o shows every setting.",
+        "Each setting with an effect has a slider. 1 to 4 go to a slider, left and right change it, enter "
+        "types a value. ┃ on γ marks a flip point, where an optimal action changes: { and } go there. "
+        "Changes apply from the next step. A new initial Q (r i) or seed (r s) restarts the run. a o shows "
+        "all settings.",
         caption="its settings and sliders",
         terms=(
             *("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
@@ -137,8 +138,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Program",
         "Your script under rl-tui watch: its environment, its table and its update. The update rule, α and "
         "γ are computed from the changes of the table. A step reveals γ only if its next state has a value "
-        "other than 0. a f shows errors, a w the output, a b another table. Save the file to start it "
-        "again.",
+        "other than 0. a f shows errors, a w shows output, a b chooses another table. Save the file to "
+        "restart it.",
         caption="your own code, watched",
         terms=("program", "finding", "informative-step", "departs", "alpha", "gamma", "target"),
         of_program=True,
@@ -147,10 +148,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.LAST_STEP,
         "rl_tui.screen.panels.last_step.last_step:LastStepPanel",
         "Last step",
-        "One step: the action, its result, and the update in numbers. The heading shows how the action was "
-        "chosen. The bar shows δ, the TD error, and points to the left if δ is negative. A quarter of the "
-        "range of all estimates fills one side. If a step changes many estimates, the panel shows one and "
-        "counts the others.",
+        "The action, its result, and the update in numbers. The heading shows how the action was chosen. The "
+        "bar shows δ, the TD error, and points left if δ is negative. It is full if |δ| reaches a quarter of "
+        "the range of all estimates. If a step changes many estimates, the panel shows one and counts the "
+        "others.",
         caption="action, result and update",
         terms=(
             *("td-error", "target", "bootstrap", "alpha", "gamma"),
@@ -174,8 +175,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Microscope",
         "The last step in detail. Highlighted numbers belong to the updated cell. Underlined numbers were "
         "read from Q. The backup diagram shows all possible outcomes of the action, and ▸ marks the real "
-        "one. Their mean is the expected target. The sampled target differs by luck. The history below is "
-        "of the cell under the cursor, else of the updated cell.",
+        "one. Their mean is the expected target. The sampled target differs by luck. The history shows the "
+        "cell under the cursor or, without cursor, the updated cell.",
         caption="the last step in detail",
         terms=(
             *("backup", "bellman", "target", "td-error"),
@@ -201,9 +202,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.many_seeds:ManySeeds",
         "Many seeds",
         "Repeats the run with many other seeds, to see whether a result is luck. Each row shows the result "
-        "of this seed, then the mean over all seeds ± its standard error. Two or more runs are compared "
-        "seed by seed: the brackets show the difference ± three standard errors. After you change a "
-        "setting, enter repeats the study.",
+        "of the run on screen, then the mean over all seeds ± its standard error. Two or more runs are "
+        "compared seed by seed: the brackets show the difference ± three standard errors. After you change "
+        "a setting, enter repeats the study.",
         caption="luck, or a real difference?",
         terms=(
             *("standard-error", "many-seeds", "paired-difference", "seed"),
@@ -234,8 +235,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.POLICIES,
         "rl_tui.screen.panels.policies.policies:Policies",
         "Policies",
-        "The exact return of each policy, and of your own (w p). The column return is undiscounted and "
-        "within the time limit. The column at start is discounted. ‹ marks a bar that is too long to draw. "
+        'The exact return of each policy; "drawn" is your own (w p). The column "return" is undiscounted and '
+        'within the time limit. The column "at start" is discounted. ‹ marks a bar too long to draw. '
         "World and curve show the policy under the cursor. enter closes the panel but keeps showing that "
         "policy. The agent does not use it.",
         caption="exact return of each policy",
@@ -269,10 +270,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.FINDINGS,
         "rl_tui.screen.panels.program.findings:FindingsPanel",
         "Findings",
-        "Problems of your program, the worst first, each with evidence, its line (▸) and a correction. At "
-        "least three steps prove a bug, and none contradicts it. Declared: the proof uses a value read from "
-        "your code. Risk: your code has learned nothing, but a random agent would have. enter goes to the "
-        "first step that shows the problem.",
+        "Problems of your program, worst first, each with evidence, its line (▸) and a correction. At least "
+        "three steps prove a bug, and no step contradicts it. Declared: the proof uses a value read from "
+        "your code. Risk: your code has found no reward, but random actions would have found one. enter goes "
+        "to the first step that shows the problem.",
         caption="what is wrong, and where",
         terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
         opened_by=OpeningKey("a f", "findings", "Show what is wrong with your program.", old="F"),

@@ -68,19 +68,19 @@ def remarks(
 
 
 def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
-    """Return this seed's distance from the mean in standard deviations."""
+    """Return this seed's distance from the mean, of one figure, in standard deviations."""
     run, last_100 = study.lanes[shown_lane(study, snapshot)], last_100_of(study)
     for figure in (last_100, WINNINGS) if secret else (REGRET, last_100, WINNINGS):
         found = deviation(figure, run)
         if found is None:
             continue
         away, spread = found
-        size = f"({figure_text(spread, figure_decimals(figure, study), glyphs)})"
+        size = figure_text(spread, figure_decimals(figure, study), glyphs)
         if abs(away) <= 1.0:
-            return f"this seed is typical: {figure.name} within {kept(f'1 SD {size}')} of the mean"
+            return f"{figure.in_full}: this seed is typical, within 1 standard deviation ({size}) of the mean"
         way = "above" if away > 0.0 else "below"
-        far = kept(f"{numbers.fixed(abs(away), 1, glyphs)} SD {size}")
-        return f"this seed's {figure.name} is {far} {way} the mean"
+        far = f"{numbers.fixed(abs(away), 1, glyphs)} standard deviations of {size}"
+        return f"{figure.in_full}: this seed is {far} {way} the mean"
     return ""
 
 
@@ -116,10 +116,10 @@ def _meaning(study: SeedStudy, snapshot: Snapshot, look: Look, *, has_marks: boo
         glyphs = look.glyphs
         meaning = f"{glyphs.world_mark} this seed, {glyphs.estimate} mean ± its standard error{which}"
     if snapshot.recipe.scenario.section.drawn_from_seed:
-        what = "arms" if snapshot.world.is_bandit else "a world"
-        meaning = f"{meaning}; each draws {what} of its own"
+        what = "arms" if snapshot.world.is_bandit else "world"
+        meaning = f"{meaning}; each seed draws its own {what}"
     if len(study.lanes) > 1:
-        meaning = f"{meaning}; better: {LEAST_SEEDS} seeds, 0 outside the brackets"
+        meaning = f'{meaning}; "better" needs {LEAST_SEEDS} seeds, and 0 outside the brackets'
     return meaning
 
 

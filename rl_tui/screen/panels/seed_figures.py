@@ -63,7 +63,7 @@ def may_count_again(study: SeedStudy | None) -> bool:
 def last_100_of(study: SeedStudy) -> StudyFigure:
     """Return the figure of the last 100 episodes."""
     name = recent_name(RECENT if study.episodes is None else study.episodes)
-    return replace(LAST_100, name=name, in_full=name)
+    return replace(LAST_100, name=name, in_full=f"return of the {name}")
 
 
 def until_of(study: SeedStudy, reached: Iterable[int]) -> str:

@@ -85,9 +85,7 @@ class Disclosure(Subject):
         """Switch between all panels and meaningful ones."""
         self.board.legends.turn_panels()
         is_all = self.board.legends.shows_all_panels
-        self.screen.tell(
-            "All panels are shown." if is_all else "Only panels that are useful so far. m p: all."
-        )
+        self.screen.tell("All panels are shown." if is_all else "Only useful panels are shown now. m p: all.")
         self.board.reshape(shown=self.in_view)
         self.board.post_message(self.board.Toggled())
 

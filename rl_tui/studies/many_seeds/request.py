@@ -141,8 +141,8 @@ def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None,
     if finished > usual:
         return usual, None, f"each seed has only {counted(usual, 'episode')}, although this run has more"
     if not finished:
-        who = "the run" if len(runs) == 1 else "another run"
-        return usual, None, f"each seed has {counted(usual, 'episode')}, because {who} has finished none yet"
+        who = "the run on screen" if len(runs) == 1 else "one of the runs"
+        return usual, None, f"{who} has finished no episode yet: each seed gets {counted(usual, 'episode')}"
     return finished, None, ""
 
 

@@ -298,7 +298,7 @@ def _warnings(made: Sequence[GreedyTrial], mdp: TabularMDP, episodes: int) -> li
     if greedy:
         place = mdp.state_names[greedy[0].endless_at or 0]
         said.append(
-            f"a greedy policy of {_names(greedy)} may never end, as at {place} "
+            f"a greedy policy of {_names(greedy)} may never end, for example from {place} "
             f"(up to {counted(episodes, 'episode')}, seeds {SEEDS[0]}–{SEEDS[-1]}): {REMEDY}"
         )
     long = [trial for trial in made if trial.long_episode is not None]

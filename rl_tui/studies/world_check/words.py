@@ -50,7 +50,7 @@ def rows(
         "random_return": lambda: Row("", _return(report.random_return), f"per episode{limit}"),
         "best_return": lambda: Row("", _return(report.best_return), best),
         "shortest_way": lambda: Row(
-            "", counted(report.shortest_way or 0, "step"), f"fewest, optimal for γ {gamma:g}"
+            "", counted(report.shortest_way or 0, "step"), f"the shortest for γ {gamma:g}"
         ),
         "first_update": lambda: Row("", _first_update(report)),
         "flips": lambda: Row("", _flips(report)),
@@ -119,7 +119,7 @@ def _endless(report: WorldReport, space: FiniteSpace) -> tuple[str, str]:
     most = f"{tried.steps:,} steps"
     how = f"seeds {tried.seeds[0]}–{tried.seeds[-1]}: {counted(tried.episodes, 'episode')} or {most}"
     if tried.in_part:
-        how += f"; {names(tried.in_part)} used all steps first"
+        how += f"; {names(tried.in_part)} reached the limit of steps first"
     if not found:
         return "none found", how
     return f"greedy policies of {names(found)}{_ended_by(space, 'them')}", how

@@ -43,13 +43,15 @@ WARNING = (
     type=Real(high=1.0),
     default=0.95,
     show_default=True,
-    help="mean share of the best return needed to pass",
+    help="to pass, the mean share of the best return must be at least this",
 )
 @click.option("--seconds", type=Whole(1, MOST), default=60, show_default=True, help="time limit of a seed")
 @click.option(
     "--memory", type=Whole(256, MOST), default=2048, show_default=True, help="memory limit of a seed in MB"
 )
-@click.option("--programs", is_flag=True, help="run programs in sessions, to judge their tasks")
+@click.option(
+    "--programs", is_flag=True, help="run the programs that the sessions contain, to judge their tasks"
+)
 @seed_option
 @allow_module_option
 @json_option

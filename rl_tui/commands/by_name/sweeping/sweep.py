@@ -160,7 +160,7 @@ class SweepCommand(SectionedCommand):
     required=True,
     help=(
         "vary a setting, algorithm, policy, scenario or world.KEY. Give a list A,B,C, or COUNT values "
-        "from FROM to TO (:log for equal ratios). Repeat it for all combinations"
+        "from FROM to TO (:log for equal ratios). Repeat the option to train all combinations"
     ),
 )
 @click.option(

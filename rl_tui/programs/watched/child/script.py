@@ -146,7 +146,7 @@ def _fault(path: Path, error: Exception) -> str:
     name = printable(str(path))
     if isinstance(error, SyntaxError) and error.lineno:
         what = one_line(error.msg or "invalid syntax", _LONGEST_REASON)
-        line = f": {shown(error.text.strip())}" if error.text else ""
+        line = f" in {shown(error.text.strip())}" if error.text else ""
         return f"{name}, {place_in_words(str(path), error.lineno)}: {what}{line}"
     if isinstance(error, RecursionError | MemoryError):
         return f"{name}: is nested too deeply for Python"
@@ -167,7 +167,7 @@ def run_script(script: Script, path: Path, arguments: Sequence[str], note: Calla
     file = path.absolute()
     if script.notebook_lines:
         what = counted(script.notebook_lines, "line")
-        note(f"{what} for notebooks only {'is' if script.notebook_lines == 1 else 'are'} skipped")
+        note(f"{what} that only notebooks understand {'is' if script.notebook_lines == 1 else 'are'} skipped")
     sys.argv = [str(path), *arguments]
     sys.path.insert(0, str(file.parent))
     module = _main_module(file)

@@ -296,6 +296,7 @@ class StepWriter:
 
 
 NOTHING_YET: Final = "no step yet: s takes one"
+NOTHING_EVER: Final = "your program took no step"
 PREDICT_FIRST: Final = "no step yet: predict first"
 OF_ANOTHER_WORLD: Final = "no step yet in this world: s takes one"
 
@@ -325,6 +326,8 @@ def nothing_yet(snapshot: Snapshot | None) -> str:
     """Explain why there is no last step."""
     if snapshot is not None and snapshot.program is not None and snapshot.counters.step:
         return "this step is not in the transition table"
+    if snapshot is not None and snapshot.program is not None and snapshot.playback.phase is Phase.SPENT:
+        return NOTHING_EVER
     if snapshot is None or snapshot.counters.step == 0:
         return NOTHING_YET if snapshot is None or not keeps_back(snapshot, "run") else PREDICT_FIRST
     changes = snapshot.world_changes

@@ -216,7 +216,7 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
         )
     if program is not None and program.table is not None and program.table.other:
         return "one of your two tables changed; their mean is shown", "one of two tables changed"
-    return "this step differs from the update that fits the others", "differs from its update", "departs"
+    return "this step does not fit the update rule of the other steps", "differs from its update", "departs"
 
 
 # The update as an equation

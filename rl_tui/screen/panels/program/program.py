@@ -166,7 +166,7 @@ def _table(program: ProgramView, steps: int) -> Sequence[str]:
     if program.table is not None:
         tables = table_texts(program.table)
         return *(f"{environment} · {each}" for each in tables[:2]), *tables
-    if not steps:
+    if not steps and not program.ended:
         return f"{environment} · {LOOKED_FOR_LATER}", LOOKED_FOR_LATER, NO_TABLE_YET
     if program.wanted:
         wanted = f"{NO_TABLE} named {one_line(program.wanted, LONGEST_NAME)}"
@@ -193,5 +193,6 @@ def _nothing_wrong(program: ProgramView, steps: int) -> Sequence[str]:
         return f"{NO_JUDGEMENT}   a f shows what was examined", NO_JUDGEMENT
     found = f"{nothing_wrong(program)} in {steps:,} steps"
     if update.rule is Rule.UNKNOWN:
-        return f"{found}, as far as known   a f shows how far", f"{found}, as far as known", found
+        known = f"{found}, but the update is not known"
+        return f"{known}   a f shows what was examined", known, found
     return f"{found}   a f shows what was examined", found, nothing_wrong(program)

@@ -32,11 +32,13 @@ _VECTORS: Final = (
     "at a time"
 )
 _NO_ENVIRONMENT: Final = (
-    "nothing to watch: the script takes no step in an environment of Gymnasium, a class with reset() and "
-    "step(action), or a function step(state, action)"
+    "nothing to watch, because rl-tui sees only steps in a Gymnasium environment, in a class with reset() "
+    "and step(action), or in a function step(state, action)"
 )
 _NO_RENDERING: Final = 'render_mode="human" is ignored: rl-tui shows the world'
-_NO_STEP: Final = "no step was seen: copies of an environment and other processes are not watched"
+_NO_STEP: Final = (
+    "the script took no step in its environment (rl-tui sees none in copies or in other processes)"
+)
 
 
 class Making:

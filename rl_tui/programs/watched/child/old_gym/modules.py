@@ -28,8 +28,8 @@ from rl_tui.programs.watched.child.old_gym.environments import (
 from rl_tui.programs.watched.child.stand_ins import Nothing
 
 _NOTE: Final = (
-    "the script imports the old gym: Gymnasium replaces it, and each call of reset and step gets the form it "
-    "expects"
+    "the script imports the old gym: Gymnasium replaces it, and reset and step return as many values as the "
+    "script expects"
 )
 _OLD: Final = "gym"
 _NEW: Final = "gymnasium"
