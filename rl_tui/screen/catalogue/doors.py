@@ -170,7 +170,7 @@ def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bo
     newest = sessions[0]
     age = short_age(now - newest.saved, newest.saved)
     age = age if age == "now" or age[0:4].isdigit() else f"{age} ago"
-    more = f"{len(sessions) - 1} more: tab" if len(sessions) > 1 else f"step {newest.step:,}"
+    more = f"tab: {len(sessions) - 1} older" if len(sessions) > 1 else f"step {newest.step:,}"
     text = f"{newest.title} · {algorithm_name(newest.algorithm)}"
     return Door("Continue", text, f"{age} · {more}", f"{age}: {newest.title}")
 

@@ -167,7 +167,7 @@ def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Lo
     lines = [Text("Sessions (tab)", look.palette.strong)]
     for session in sessions[:_MOST_OWN]:
         age = short_age(now - session.saved, session.saved)
-        line = f"{age:<6} {algorithm_name(session.algorithm)} · step {session.step:,}"
+        line = f"{age:<6} step {numbers.count(session.step, 7)} · {algorithm_name(session.algorithm)}"
         lines.append(Text(look.glyphs.separated(line), look.palette.text, no_wrap=True, overflow="crop"))
     return Group(*lines)
 
