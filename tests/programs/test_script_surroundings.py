@@ -14,7 +14,7 @@ pytestmark = pytest.mark.process
 
 NO_ENVIRONMENT = (
     "nothing to watch, because rl-tui sees only steps in a Gymnasium environment, in a class with reset() "
-    "and step(action), or in a function step(state, action)"
+    "and step(action), in a function step(state, action), or as assignments to a table"
 )
 
 

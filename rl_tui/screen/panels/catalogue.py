@@ -174,9 +174,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.microscope.microscope:Microscope",
         "Microscope",
         "The last step in detail. Highlighted numbers belong to the updated cell. Underlined numbers were "
-        "read from Q. The backup diagram shows all possible outcomes of the action, and ▸ marks the real "
-        "one. Their mean is the expected target. The sampled target differs by luck. The history shows the "
-        "cell under the cursor or, without cursor, the updated cell.",
+        "read from Q. The backup diagram shows all possible outcomes; ▸ marks the real one. The estimate moves "
+        "towards the target of the real outcome. The expected target is the mean over all outcomes. The "
+        "history shows the cell under the cursor, otherwise the updated cell.",
         caption="the last step in detail",
         terms=(
             *("backup", "bellman", "target", "td-error"),
@@ -219,9 +219,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.DISCOUNT,
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
-        "Q* of the best and the second best action in one state, for γ from 0 to 1. v shows all actions. At "
-        "each flip point an optimal action changes: ◆ in this state, ┃ on the path. ● is the current γ. "
-        "Arrows choose a flip point. enter moves γ past it. Limit: worlds of up to 100 states.",
+        "Q* of the best and the second best action in one state, for γ from 0 to 1. At "
+        "each flip point an optimal action changes. ◆: in this state. ┃: on the optimal path from the start. ●: the current γ. "
+        "v shows all actions. Arrows choose a flip point. enter moves γ past it. Limit: worlds of up to 100 states.",
         caption="where the optimal actions change",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey(
@@ -235,8 +235,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.POLICIES,
         "rl_tui.screen.panels.policies.policies:Policies",
         "Policies",
-        'The exact return of each policy; "drawn" is your own (w p). The column "return" is undiscounted and '
-        'within the time limit. The column "at start" is discounted. ‹ marks a bar too long to draw. '
+        'The exact return of each policy; "drawn" is your own (w p). The column "return" is the undiscounted '
+        'mean within the time limit. The column "at start" is discounted. ‹ marks a bar too long to draw. '
         "World and curve show the policy under the cursor. enter closes the panel but keeps showing that "
         "policy. The agent does not use it.",
         caption="exact return of each policy",

@@ -33,7 +33,7 @@ _VECTORS: Final = (
 )
 _NO_ENVIRONMENT: Final = (
     "nothing to watch, because rl-tui sees only steps in a Gymnasium environment, in a class with reset() "
-    "and step(action), or in a function step(state, action)"
+    "and step(action), in a function step(state, action), or as assignments to a table"
 )
 _NO_RENDERING: Final = 'render_mode="human" is ignored: rl-tui shows the world'
 _NO_STEP: Final = (
