@@ -71,6 +71,8 @@ class RunResults:
     """If the greedy policy has no return: the probability (0 to 1) that its episodes end, else None."""
     bandit: BanditFigures | None = None
     """Regret and pulls of a bandit, else None."""
+    first_reward_episode: int = 0
+    """First episode (from 1) with a non-zero reward; 0 before it, and where only the curve knows."""
     behaviour_return: float | None = None
     """Exact expected return of the agent in this episode. None if it does not explore by ε, or if the
     evaluation is slow.

@@ -176,6 +176,7 @@ class Run:
             greedy_ends=greedy.ends,
             behaviour_return=greedy.softened,
             bandit=self.bandit,
+            first_reward_episode=learner.first_reward_episode,
         )
 
     @property

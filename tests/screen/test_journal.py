@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from lane_samples import lane_views
 from samples import bandit, lake, look, planning, student
@@ -22,7 +23,8 @@ from rl_tui.runs.recipe import (
     TakeAction,
     UndoEdit,
 )
-from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.runs.results import Curve, RunResults
+from rl_tui.runs.timeline.branches import Branch, Furthest, Timeline
 from rl_tui.runs.timeline.run_names import LanePast
 from rl_tui.screen.dialogs.journal import (
     HOW_TO_BRANCH,
@@ -306,6 +308,17 @@ def test_moments_that_people_look_for_are_rows_and_what_is_unknown_says_so() -> 
     assert parse_goto(rows["end"].id, lake(timeline=TWO)) == GoTo(5_001)
     fresh = {each.name: each for each in goto_form(lake(timeline=here(10)), look().glyphs).candidates}
     assert fresh["last change"].refused == "nothing was changed in this branch"
+
+
+def test_the_first_reward_keeps_its_episode_in_a_wide_bin_and_from_before_it() -> None:
+    one_bin = Curve(np.array([4_096]), *(np.array([each]) for each in (0.5, 0.0, 1.0, 9.0)))
+    now = lake(timeline=here(10_000))
+    now = replace(now, results=RunResults(one_bin, first_reward_episode=247))
+    past = lake(timeline=replace(here(10_000, 5), furthest=Furthest(now.counters, now.results)))
+    for snapshot in (now, past):
+        rows = {each.name: each for each in goto_form(snapshot, look().glyphs).candidates}
+        assert rows["first reward"].value == "episode 247"
+        assert rows["first reward"].id == "e247"
 
 
 def test_sweeps_and_pulls() -> None:

@@ -103,6 +103,7 @@ async def test_it_is_asked_where_to_and_it_goes_there(
         await pilot.press("m", "g", *"1234", "enter")
         assert isinstance(pilot.app.screen, Form)
         assert pilot.app.screen.query_one(Input).value == "1234"
+        assert "a number" not in str(pilot.app.screen.query_one("#box").border_subtitle)
         assert len(sent) == 3
 
 

@@ -302,6 +302,8 @@ class Form(Dialog[Any]):
 
     @property
     def _numbers(self) -> dict[str, str]:
+        if self.entry is not None:  # digits belong to its line
+            return {}
         ids = [each.id for each in self.candidates if each.id]
         return {id: str(number) for number, id in enumerate(ids[:9], 1)}  # noqa: A001
 
@@ -319,7 +321,11 @@ class Form(Dialog[Any]):
     def _feet(self) -> tuple[str, ...]:
         """The keys below, widest form first."""
         parts = [part for part in (self._keys, f"enter: {self._does}", _CLOSE) if part]
-        whole = [_MOVE, *parts[:-2], f"a number or enter: {self._does}", _CLOSE] if self.candidates else parts
+        if self.candidates:
+            chooses = f"a number or enter: {self._does}" if self._numbers else parts[-2]
+            whole = [_MOVE, *parts[:-2], chooses, _CLOSE]
+        else:
+            whole = parts
         return _WIDE.join(whole), _WIDE.join(parts), "  ".join(parts)
 
     def _named(self, candidate: Candidate) -> str:

@@ -35,7 +35,7 @@ from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.kit.bindings import as_sentence
 from rl_tui.screen.kit.snapshot_facts import episodes_begun
 from rl_tui.screen.panels.controls.settings import called
-from rl_tui.screen.panels.timeline import first_reward
+from rl_tui.screen.panels.timeline import first_reward, known_end
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.editing.edit import BETWEEN, PREFIX, written_edits
@@ -259,7 +259,9 @@ def goto_form(snapshot: Snapshot, glyphs: Glyphs) -> Form:
 
 def _places(snapshot: Snapshot) -> Iterator[Candidate]:
     branch, unit = snapshot.timeline.current, "pull" if snapshot.world.is_bandit else "step"
-    reward = None if snapshot.agent.row.planner else first_reward(snapshot.results.curve)
+    results = known_end(snapshot).results
+    reward = None if snapshot.agent.row.planner else first_reward(results)
+    about = "" if results.first_reward_episode else "about "  # the curve of one's own script has bins
     change = branch.journal[-1].step if branch.journal else None
     yield Candidate("start", "start", value=f"{unit} 0")
     yield Candidate(
@@ -267,7 +269,7 @@ def _places(snapshot: Snapshot) -> Iterator[Candidate]:
         "first reward",
         ("The first return above 0.",),
         "" if reward is not None else "no return is above 0 so far",
-        "" if reward is None else f"about episode {int(reward) + 1:,}",
+        "" if reward is None else f"{about}episode {int(reward) + 1:,}",
     )
     yield Candidate(
         f"step {change or 0}",

@@ -174,9 +174,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.microscope.microscope:Microscope",
         "Microscope",
         "The last step in detail. Highlighted numbers belong to the updated cell. Underlined numbers were "
-        "read from Q. The backup diagram shows all possible outcomes; ▸ marks the real one. The estimate moves "
-        "towards the target of the real outcome. The expected target is the mean over all outcomes. The "
-        "history shows the cell under the cursor, otherwise the updated cell.",
+        "read from Q. The backup diagram shows all possible outcomes; ▸ marks the real one. The estimate "
+        "moves towards the target of the real outcome. The expected target is the mean over all outcomes. "
+        "The history shows the cell under the cursor, otherwise the updated cell.",
         caption="the last step in detail",
         terms=(
             *("backup", "bellman", "target", "td-error"),
@@ -219,9 +219,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         row.DISCOUNT,
         "rl_tui.screen.panels.discount:DiscountPanel",
         "Flip points",
-        "Q* of the best and the second best action in one state, for γ from 0 to 1. At "
-        "each flip point an optimal action changes. ◆: in this state. ┃: on the optimal path from the start. ●: the current γ. "
-        "v shows all actions. Arrows choose a flip point. enter moves γ past it. Limit: worlds of up to 100 states.",
+        "Q* of the best and the second best action in one state, for γ from 0 to 1. At each flip point an "
+        "optimal action changes. ◆: in this state. ┃: on the optimal path from the start. ●: the current γ. "
+        "v shows all actions. Arrows choose a flip point. enter moves γ past it. Limit: worlds of up to 100 "
+        "states.",
         caption="where the optimal actions change",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey(

@@ -17,7 +17,7 @@ from textual.strip import Strip
 
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import OrderSweep, Setting, TakeAction, WorldChange
-from rl_tui.runs.results import Curve
+from rl_tui.runs.results import RunResults
 from rl_tui.runs.timeline.branches import Branch, Furthest, Timeline
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, shortened
@@ -90,11 +90,11 @@ class TimelineState:
         is_bandit = self.snapshot.world.is_bandit
         return "sweep" if self.snapshot.agent.row.planner else "pull" if is_bandit else "ep"
 
-    @property
-    def known(self) -> Furthest:
-        """The branch's furthest known state."""
-        here = Furthest(self.snapshot.counters, self.snapshot.results)
-        return (self.snapshot.timeline.in_past and self.snapshot.timeline.furthest) or here
+
+def known_end(snapshot: Snapshot) -> Furthest:
+    """Return the branch's furthest known state."""
+    here = Furthest(snapshot.counters, snapshot.results)
+    return (snapshot.timeline.in_past and snapshot.timeline.furthest) or here
 
 
 def track_of(snapshot: Snapshot, look: Look, width: int) -> Track:
@@ -158,10 +158,10 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
 
 def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[str, Style]]:
     palette, glyphs, snapshot = look.palette, look.glyphs, state.snapshot
-    branch, results = snapshot.timeline.current, state.known.results
+    branch, results = snapshot.timeline.current, known_end(state.snapshot).results
     gold = Style(color=palette.goal.color, bold=True)
     changed = {kind: _cells(branch, kind, track) for kind in _CHANGES}
-    first = first_reward(results.curve) if state.unit == "ep" else None
+    first = first_reward(results) if state.unit == "ep" else None
     events = (
         (glyphs.manual_mark, palette.text, changed[TakeAction]),
         (glyphs.policy_mark, palette.dim, _policies(state, track)),
@@ -196,11 +196,17 @@ def _cells(branch: Branch, kind: type | UnionType, track: Track) -> set[int]:
     return set(track.cells_of(np.array(steps)).tolist())  # a person may have taken thousands of steps
 
 
-def first_reward(curve: Curve) -> float | None:
-    """Return the episodes before the first reward."""
+def first_reward(results: RunResults) -> float | None:
+    """Return the number of episodes before the first reward.
+
+    None if there is no reward above 0, a return is negative, or every early episode has a reward.
+    """
+    curve = results.curve
     rewarded = np.flatnonzero(curve.return_high > NEGLIGIBLE)
     if not len(rewarded) or curve.return_low.min() < -NEGLIGIBLE:
         return None
+    if results.first_reward_episode > 1:
+        return float(results.first_reward_episode - 1)
     first = rewarded[0]
     if first == 0:
         return 0.0 if curve.return_low[0] < NEGLIGIBLE else None
@@ -208,7 +214,7 @@ def first_reward(curve: Curve) -> float | None:
 
 
 def _policies(state: TimelineState, track: Track) -> list[int]:
-    marks = state.known.results.marks
+    marks = known_end(state.snapshot).results.marks
     if hides_greedy(state.snapshot) or not len(marks.episode):
         return []
     values = marks.expected_return

@@ -142,7 +142,7 @@ def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None,
         return usual, None, f"each seed has only {counted(usual, 'episode')}, although this run has more"
     if not finished:
         who = "the run on screen" if len(runs) == 1 else "one of the runs"
-        return usual, None, f"{who} has finished no episode yet: each seed gets {counted(usual, 'episode')}"
+        return usual, None, f"{who} had finished no episode: each seed gets {counted(usual, 'episode')}"
     return finished, None, ""
 
 
