@@ -107,6 +107,23 @@ def test_a_policy_that_wanders_is_outside_of_the_scale() -> None:
     )
 
 
+def test_a_study_leaves_nothing_to_the_next() -> None:
+    fresh, steady = lake(0), SteadyScale()
+    first = with_policies(fresh, PolicyKind.GREEDY, greedy=-50.0, optimal=-13.0)
+    assert steady.of(first).ends == (-50.0, 0.0)
+    steady.of(fresh)
+    later = with_policies(fresh, PolicyKind.GREEDY, greedy=-13.0, optimal=-13.0)
+    assert steady.of(later).ends == SteadyScale().of(later).ends == (-13.0, 0.0)
+
+
+def test_a_policy_that_wanders_leaves_nothing_once_the_optimal_values_are_known() -> None:
+    fresh, steady = lake(0), SteadyScale()
+    assert steady.of(with_policies(fresh, PolicyKind.DRAWN, drawn=-1_000.0)).low == -1_000.0
+    known = with_policies(fresh, PolicyKind.DRAWN, drawn=-1_000.0, optimal=0.8)
+    assert steady.of(known) == SteadyScale().of(known)
+    assert steady.of(known).ends == (0.0, 0.8)
+
+
 def test_a_hidden_policy_does_not_change_the_scale() -> None:
     shown = with_policies(changed(lake(), is_hidden=True), PolicyKind.GREEDY, greedy=0.1, optimal=0.8)
     assert SteadyScale().of(shown).ends == (0.0, 0.1)

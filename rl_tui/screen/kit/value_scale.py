@@ -136,26 +136,34 @@ class SteadyScale:
         layer = Layer.Q if layer is Layer.LANDSCAPE else layer
         values, ramp = scale_numbers(snapshot, layer), RAMPS.get(layer, Ramp.VALUES)
         if layer is Layer.Q and studied_kind(snapshot) is not None:
-            layer, now = Layer.POLICY, self._of_policies(snapshot)
+            scale = self._of_policies(snapshot)
         else:
-            now = value_scale(values, ramp)
-        scale = _joined(now, self._scales.get(layer))
+            if layer is Layer.Q:
+                self._scales.pop(Layer.POLICY, None)  # the agent may learn before the next study
+            scale = self._widened(layer, value_scale(values, ramp))
         if scale is None:
             return ValueScale(ramp=ramp)
         if len(values):
             cuts = scale.side(float(values.min())) < 0, scale.side(float(values.max())) > 0
             scale = replace(scale, cuts=cuts)
-        self._scales[layer] = scale
         return scale
 
     def _of_policies(self, snapshot: Snapshot) -> ValueScale | None:
         scales = [(kind, value_scale(values)) for kind, values in policy_numbers(snapshot)]
         optimal = (scale for kind, scale in scales if kind is PolicyKind.OPTIMAL)
-        scale = _joined(self._scales.get(Layer.Q), *optimal)
-        most = 0.0 if scale is None else _FAR * max(-scale.low, scale.high)
+        known = _joined(self._scales.get(Layer.Q), *optimal)
+        most = 0.0 if known is None else _FAR * max(-known.low, known.high)
+        if not most:  # the optimal values may follow, so nothing is kept
+            return _joined(*(scale for _, scale in scales))
         # a policy that wanders has returns next to which all others look equal
-        near = (each for _, each in scales if each and (not most or max(-each.low, each.high) <= most))
-        return _joined(scale, *near)
+        near = (each for _, each in scales if each and max(-each.low, each.high) <= most)
+        return self._widened(Layer.POLICY, _joined(known, *near))
+
+    def _widened(self, layer: Layer, now: ValueScale | None) -> ValueScale | None:
+        scale = _joined(now, self._scales.get(layer))
+        if scale is not None:
+            self._scales[layer] = scale
+        return scale
 
 
 def _joined(*scales: ValueScale | None) -> ValueScale | None:
