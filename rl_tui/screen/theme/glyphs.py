@@ -15,8 +15,8 @@ _SPELLINGS: Final = """
 ₀ 0   ₁ 1   ₂ 2   ₃ 3   ₙ n   ₜ t   ₊ +   ⁿ ^n   ᵀ ^T
 ⁰ 0   ¹ ^1   ² ^2   ³ ^3   ⁵ ^5   ⁶ ^6   ⁷ ^7   ⁺ +   ⁻ -
 √ sqrt   ≤ <=   ≥ >=   ≈ ~   ≠ !=   ± +/-   ∞ inf   ⟨ <   ⟩ >
-◤ x   ▫ .   ✓ v   ✗ x   ★ G   ● O   ◉ @   ▸ >   ◆ +   ▾ v   ↻ T   ╱ %
-┃ |   ╍ :   ┆ Y   █ #   ┈ .   ░ :   • "   ◦ '
+◤ x   ▫ .   ✓ v   ✗ x   ★ G   ● O   ◉ @   ▸ >   ◆ +   ▾ v   ▴ ^   ↻ T   ╱ %
+○ o   ‹ <   ▐ {   ┃ |   ╍ :   ┆ Y   █ #   ┈ .   ░ :   • "   ◦ '
 ¼ 1/4   ½ 1/2   ¾ 3/4   ⅓ 1/3   ⅔ 2/3   é e   ö o   ü u   ä a
 """
 _WORDS: Final = _SPELLINGS.split()
@@ -55,7 +55,7 @@ class Glyphs:
     mark_right: str = _in("▐", "]")
     mark_after: str = _in("▌", "]")  # after the greedy number, in place of a frame
     lit: str = _in("▐", "{")  # before the cell of a table that was just updated
-    moved: str = _in("▾▴", "-+")  # after its number: it fell, it rose
+    moved: str = _in("▾▴", "v^")  # after its number: it fell, it rose
     cursor: str = _in("▸", ">")
     breakpoint: str = _in("!", "!")
     trail: str = _in("•", "=")  # on a map: recent and older steps
