@@ -124,10 +124,10 @@ def as_layer(snapshot: Snapshot, layer: Layer) -> Snapshot:
 def _optimal(snapshot: Snapshot, q: FloatArray, greedy: BoolArray) -> AgentView:
     space, values = snapshot.world.space, np.zeros(snapshot.world.space.states)
     values[np.diff(space.first_pair) > 0] = best_of_states(space, q)
-    return exactly(snapshot, values, q, greedy.astype(np.float64))
+    return with_exact(snapshot, values, q, greedy.astype(np.float64))
 
 
-def exactly(snapshot: Snapshot, values: FloatArray, q: FloatArray, policy: FloatArray) -> AgentView:
+def with_exact(snapshot: Snapshot, values: FloatArray, q: FloatArray, policy: FloatArray) -> AgentView:
     """Put exact numbers of a policy in place of the learned ones."""
     visits = np.ones(len(q), np.int64)
     return replace(snapshot.agent, q=q, values=values, policy=policy, visits=visits, part=None)
@@ -173,7 +173,7 @@ def policy_numbers(snapshot: Snapshot) -> Iterator[tuple[PolicyKind, FloatArray]
         for kind, answer in lane.answers.policies.items():
             if answer.v is None or answer.q is None or is_kept_back(lane, kind):
                 continue
-            seen = exactly(lane, answer.v, answer.q, np.ones(lane.world.space.pairs))
+            seen = with_exact(lane, answer.v, answer.q, np.ones(lane.world.space.pairs))
             yield kind, scale_numbers(replace(lane, agent=seen, beside=None), Layer.Q)
 
 

@@ -12,7 +12,7 @@ from rl_tui.agents.exact.policy_figures import best_pairs
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import WHILE_RUNNING
-from rl_tui.screen.kit.layers import exactly
+from rl_tui.screen.kit.layers import with_exact
 from rl_tui.screen.kit.snapshot_facts import studied_answer
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
@@ -75,6 +75,6 @@ def as_studied(snapshot: Snapshot) -> Snapshot:
     if snapshot.world.is_bandit:
         return snapshot
     policy = shown_actions(snapshot, kind, answer.policy).astype(np.float64)
-    agent = exactly(snapshot, answer.v, answer.q, policy)
+    agent = with_exact(snapshot, answer.v, answer.q, policy)
     beside = None if snapshot.beside is None else as_studied(snapshot.beside)
     return replace(snapshot, agent=agent, beside=beside)
