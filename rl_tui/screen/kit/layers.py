@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from enum import StrEnum
 from typing import Final
@@ -10,21 +9,23 @@ from typing import Final
 import numpy as np
 
 from rl_tui.live.snapshot import AgentView, Snapshot
-from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.runs.bandit import best_arms, true_means
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.numbers_in_common import (
     best_of_states,
+    exact_v,
     finite,
     held_pairs,
     known_v,
     lanes_in_view,
     tried_q,
 )
-from rl_tui.screen.kit.snapshot_facts import is_kept_back, is_secret, keeps_back
+from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+from rl_tui.worlds.world import World
 
 
 class Layer(StrEnum):
@@ -163,18 +164,20 @@ def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
     if layer is Layer.ERROR:
         return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
     seen = as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot
-    v, states = known_v(seen), np.count_nonzero(np.diff(seen.world.space.first_pair))
-    return v if states >= _FEW or layer is Layer.VISITS else np.concatenate([v, tried_q(seen)])
+    v, is_whole = known_v(seen), layer is Layer.VISITS or _has_many_states(seen.world)
+    return v if is_whole else np.concatenate([v, tried_q(seen)])
 
 
-def policy_numbers(snapshot: Snapshot) -> Iterator[tuple[PolicyKind, FloatArray]]:
-    """Yield a scale's numbers of each policy, in both runs, unless hidden."""
-    for lane in lanes_in_view(snapshot):
-        for kind, answer in lane.answers.policies.items():
-            if answer.v is None or answer.q is None or is_kept_back(lane, kind):
-                continue
-            seen = with_exact(lane, answer.v, answer.q, np.ones(lane.world.space.pairs))
-            yield kind, scale_numbers(replace(lane, agent=seen, beside=None), Layer.Q)
+def policy_numbers(world: World, answer: PolicyAnswer) -> FloatArray:
+    """Return a scale's numbers of a policy with known values."""
+    assert answer.v is not None
+    assert answer.q is not None
+    v = exact_v(world, answer.v)
+    return v if _has_many_states(world) else np.concatenate([v, finite(answer.q)])
+
+
+def _has_many_states(world: World) -> bool:
+    return bool(np.count_nonzero(np.diff(world.space.first_pair)) >= _FEW)
 
 
 def _errors(lane: Snapshot) -> FloatArray:

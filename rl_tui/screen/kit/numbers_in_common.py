@@ -41,6 +41,11 @@ def known_v(snapshot: Snapshot) -> FloatArray:
     return finite(np.concatenate([v[known] for v, known in map(_v, lanes_in_view(snapshot))]))
 
 
+def exact_v(world: World, values: FloatArray) -> FloatArray:
+    """Return the finite V of states with actions, without exits."""
+    return finite(values[np.diff(world.space.first_pair) > 0][~_exits(world)])
+
+
 def tried_q(snapshot: Snapshot) -> FloatArray:
     """Return the finite Q of tried pairs."""
     return finite(np.concatenate([lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]))

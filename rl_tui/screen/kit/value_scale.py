@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -12,18 +13,22 @@ from rich.style import Style
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.kit.layers import Layer, policy_numbers, scale_numbers
-from rl_tui.screen.kit.snapshot_facts import studied_kind
+from rl_tui.screen.kit.numbers_in_common import lanes_in_view
+from rl_tui.screen.kit.snapshot_facts import is_kept_back, studied_kind
 from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.world import World
 
 _LEAST_TO_CUT: Final = 8  # values: fewer cannot show outliers
 _TAIL: Final = 16  # one in this many values at each end may be an outlier
 _FAR: Final = 4.0  # times the range without the tails
 _BOTH_SIGNS: Final = 0.1  # share of the larger end that the other end must reach
+_POLICIES: Final = 2 * len(PolicyKind)  # of both runs
 _NEAR_ZERO: Final = 0.5  # share of the maximum: a scale starts at 0 if its minimum is below
 
 
@@ -149,7 +154,12 @@ class SteadyScale:
         return scale
 
     def _of_policies(self, snapshot: Snapshot) -> ValueScale | None:
-        scales = [(kind, value_scale(values)) for kind, values in policy_numbers(snapshot)]
+        scales = [
+            (kind, _policy_scale(lane.world, answer))
+            for lane in lanes_in_view(snapshot)
+            for kind, answer in lane.answers.policies.items()
+            if answer.v is not None and not is_kept_back(lane, kind)
+        ]
         optimal = (scale for kind, scale in scales if kind is PolicyKind.OPTIMAL)
         known = _joined(self._scales.get(Layer.Q), *optimal)
         most = 0.0 if known is None else _FAR * max(-known.low, known.high)
@@ -164,6 +174,11 @@ class SteadyScale:
         if scale is not None:
             self._scales[layer] = scale
         return scale
+
+
+@lru_cache(_POLICIES)
+def _policy_scale(world: World, answer: PolicyAnswer) -> ValueScale | None:
+    return value_scale(policy_numbers(world, answer))
 
 
 def _joined(*scales: ValueScale | None) -> ValueScale | None:
