@@ -43,7 +43,7 @@ def what_may_differ(recipe: Recipe) -> tuple[str, ...]:
     names = [
         name
         for name in parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
-        if recipe.scenario.kind != "bandit"
+        if not recipe.scenario.is_bandit
         or not why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=True)
     ]
     return (ALGORITHM, *sorted(names, key=lambda name: PARAMETERS[name].schedule))

@@ -110,8 +110,7 @@ SCHEDULES: Final = "schedules"
 
 def _row(name: str, recipe: Recipe, *, another_run: bool) -> Candidate:
     parameter = PARAMETERS[name]
-    is_bandit = recipe.scenario.kind == "bandit"
-    idle = why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
+    idle = why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=recipe.scenario.is_bandit)
     value, meaning = in_force(name, recipe.hyperparameters)
     starts = "; the run starts again" if name == "initial_q" and not another_run else ""
     expected = parameter.expected_in_words if parameter.range else ", ".join(parameter.words)

@@ -106,6 +106,11 @@ class Scenario:
     preview_steps: int | None = None
     panels: frozenset[str] | None = None
 
+    @property
+    def is_bandit(self) -> bool:
+        """True if its world is a bandit."""
+        return self.kind == "bandit"
+
     def build(self, generator: Generator) -> World:
         """Build the world.
 

@@ -102,7 +102,7 @@ class Controls(Container, BoardPanel):
     def begin_with(self, recipe: Recipe) -> None:
         """Show sliders before the first snapshot."""
         self.wanted = recipe.hyperparameters
-        is_bandit = recipe.scenario.kind == "bandit"
+        is_bandit = recipe.scenario.is_bandit
         self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
 
     def compose(self) -> ComposeResult:

@@ -310,7 +310,7 @@ class ReturnCurve(Panel, can_focus=True):
     def begin_with(self, recipe: Recipe) -> None:
         """Set the title before the first snapshot."""
         plans = algorithm_row(recipe.algorithm).planner
-        self._unit = unit_of(plans=plans, is_bandit=recipe.scenario.kind == "bandit")
+        self._unit = unit_of(plans=plans, is_bandit=recipe.scenario.is_bandit)
 
     @property
     def hints(self) -> Words:
@@ -366,7 +366,7 @@ class ReturnCurve(Panel, can_focus=True):
         plot = Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
         key = plot, bool(data.lanes), data.seeds, data.is_of_steps, data.is_of_errors
         if self._band[0] != key or not _runs(snapshot):
-            is_plain = data.lanes or data.seeds or snapshot.world.is_bandit or not data.furthest
+            is_plain = data.lanes or data.seeds or data.is_bandit or not data.furthest
             is_plain = is_plain or data.is_of_steps or data.is_of_errors
             has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
             self._band = key, has_band

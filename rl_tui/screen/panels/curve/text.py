@@ -196,7 +196,7 @@ def remark(
     if data.is_of_steps or data.is_of_errors:
         return ()
     if data.hides_optimum:
-        return HIDDEN_ARMS if snapshot.world.is_bandit else HIDDEN_OPTIMUM
+        return HIDDEN_ARMS if data.is_bandit else HIDDEN_OPTIMUM
     if data.greedy_now is None or data.finished < RECENT or not data.is_decided:
         return ()
     if snapshot.program is not None:

@@ -12,7 +12,7 @@ from rl_tui.screen.kit.row import DISCOUNT, WORLD, WORLD_CHECK
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.controls.controls import GAMMA
 from rl_tui.screen.panels.controls.slider import Slider
-from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
 
 _AROUND = 2  # columns and rows around a full-screen map
@@ -35,7 +35,7 @@ class ViewActions(Subject):
         if deed == "hide_answer" and snapshot.playback.phase is Phase.SPENT:
             return "the budget is spent, so nothing is hidden. r r: start again"
         if deed == "turn_actions" and not isinstance(drawing, Grid):
-            return f"{'each bar' if isinstance(drawing, Arms) else 'the table'} shows Q of every action here"
+            return f"{'each bar' if snapshot.world.is_bandit else 'the table'} shows Q of every action here"
         if deed == "numbers" and not isinstance(drawing, Grid):
             return "only maps have cells that can show the numbers of states"
         return ""
