@@ -54,7 +54,6 @@ from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.world import World
 
-_BOLD: Final = Style(bold=True)
 _DECIMALS: Final = 2
 PALE: Final = "pale: hardly better"
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
@@ -429,7 +428,8 @@ class GridView(WorldView):
     def _middle_ink(self) -> Style:
         """The ink of arrows in the middle of the colour scale."""
         (low, high), palette = self.tints.ends, self.look.palette
-        return (self.tints.style((low + high) / 2, palette) if low < high else palette.unvisited) + _BOLD
+        ink = self.tints.style((low + high) / 2, palette) if low < high else palette.unvisited
+        return ink + Style(bold=True)
 
     def redraw(self) -> None:
         """Draw again, and report another visible part."""
