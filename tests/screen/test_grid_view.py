@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import product
 
@@ -15,6 +16,7 @@ from textual.geometry import Size
 
 from rl_tui.screen.draw.block_signs import block_number
 from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.numbers_in_common import all_v
 from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.cells import CellArtist
@@ -175,6 +177,19 @@ def test_the_less_an_action_leads_the_paler_is_its_arrow() -> None:
 def test_neighbours_in_one_row_keep_apart() -> None:
     four = visited(lake(step=0), 0, 1, 2, 3)
     assert picture(four, 28, 4)[0] == " ◉   0▕     0▕     0▕     0▕"
+
+
+@pytest.mark.parametrize("layer", [Layer.Q, Layer.VISITS])
+def test_a_cell_too_narrow_has_no_number_and_a_wider_one_has_it_with_a_gap(layer: Layer) -> None:
+    shown = changed(lake(), visits=np.full(44, 300))
+    view = GridView(shown.world, look())
+    view.wanted_layer = layer
+    for width in (3, 4):
+        view.cell = Size(width, 2)
+        view.show(shown)
+        lines = [strip.text for strip in view.picture(shown, 4 * width, 9)[:8]]
+        numbers = re.findall(r"[.\dk▪]+", "\n".join(lines))
+        assert {len(each) < width for each in numbers} == ({True} if width == 4 else set())
 
 
 def test_a_value_too_small_for_a_narrow_cell_is_a_bound() -> None:
