@@ -107,6 +107,14 @@ def test_a_legend_has_signs_that_are_drawn_and_no_others(kind: str, made: object
         assert told or set(sign.sign) <= set(drawn), sign
 
 
+def test_true_means_and_the_best_arm_have_signs_once_they_are_revealed() -> None:
+    signs = {"◆ true mean", "★ best arm"}
+    for is_hidden in (True, False):
+        shown = changed(bandit(400), is_hidden=is_hidden)
+        told = legend(explained(ArmsView(shown.world, look()), shown, 60, 22))
+        assert signs & set(told) == (set() if is_hidden else signs)
+
+
 def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
     assert "╱ cliff" not in legend(explained(GridView(lake().world, look()), lake(), 60, 13))
     table = explained(QTable(look()), bandit(400), 60, 20)
