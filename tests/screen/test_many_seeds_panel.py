@@ -165,6 +165,7 @@ def test_enter_counts_again_where_there_is_something_new_to_count(
 ) -> None:
     assert may_count_again(study) is again
     made = panel(changed(lake(), study=study))
+    made.has_focus = True
     made.picture(made.snapshot, 58, 20)
     assert ("enter" in made.footing) is again
     assert made.footing.endswith("esc: close")

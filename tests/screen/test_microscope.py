@@ -328,8 +328,9 @@ def test_steps_that_pass_too_fast_leave_the_history_only() -> None:
 
 def test_what_does_not_fit_is_scrolled_with_a_bar_and_a_hint() -> None:
     widget = Microscope(look())
-    widget.picture(LAKE, NARROW, 17)
-    assert widget.footing == "click or tab here for its keys"
+    for height in (17, 60):
+        widget.picture(LAKE, NARROW, height)
+        assert widget.footing == "tab here for its keys · esc: close"
     widget.has_focus = True
     rows = widget.picture(LAKE, NARROW, 17)
     assert widget.footing == "↑ ↓: more · esc: close"

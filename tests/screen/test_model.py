@@ -82,9 +82,6 @@ def test_the_border_names_the_keys_that_do_something() -> None:
     assert made.footing == "pgup pgdn: scroll   esc: close"
     drawn(made, width=14, height=10)
     assert made.footing == "esc: close"
-    made.has_focus = False
-    drawn(made)
-    assert made.footing == "click or tab here for its keys"
 
 
 def test_where_every_state_has_actions_that_is_not_said() -> None:

@@ -76,7 +76,9 @@ def page_bindings(panel: str) -> list[BindingType]:
     ]
 
 
-ELSEWHERE: Final = ("click or tab here for its keys", "tab here for its keys")
+_CLOSE: Final = "esc: close"
+_TAB: Final = f"tab here for its keys · {_CLOSE}"
+_ELSEWHERE: Final = (f"click or {_TAB}", _TAB, _CLOSE)
 """Forms of the hint while another panel has the keys."""
 
 
@@ -114,15 +116,13 @@ class ScrolledPanel(Panel, can_focus=True):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return forms of other keys."""
-        return ("esc: close",)
+        return (_CLOSE,)
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
-        """Return forms of all keys."""
+        """Return forms of all keys, for a panel with focus."""
         keys = self.keys(snapshot)
         if not is_scrolled:
             return keys
-        if not self.has_focus:
-            return ELSEWHERE
         return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -132,7 +132,9 @@ class ScrolledPanel(Panel, can_focus=True):
         self._rows_in_all, self._rows_in_view = len(rows), height
         self._first = max(0, min(self._first, len(rows) - height))
         shown = rows[self._first : self._first + height]
-        self.footing = self.fitting(self.hints(snapshot, is_scrolled=is_scrolled), width)
+        hints = self.hints(snapshot, is_scrolled=is_scrolled)
+        is_elsewhere = not self.has_focus and tuple(hints) != (_CLOSE,)
+        self.footing = self.fitting(_ELSEWHERE if is_elsewhere else hints, width)
         shown += [Strip.blank(width, self.look.palette.text)] * (height - len(shown))
         if not is_scrolled:
             return shown

@@ -25,7 +25,7 @@ from rl_tui.screen.draw.precision import column_figure, in_brackets, leading_zer
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Labelled, Row, Table, Text
 from rl_tui.screen.kit.pointing import NOWHERE, Pointed
-from rl_tui.screen.kit.scrolling import ELSEWHERE, Scrolled, ScrolledPanel, page_bindings
+from rl_tui.screen.kit.scrolling import Scrolled, ScrolledPanel, page_bindings
 from rl_tui.screen.kit.snapshot_facts import (
     ANSWER_KEPT,
     answer_key,
@@ -373,8 +373,6 @@ class ModelPanel(ScrolledPanel):
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
         """Return forms of the keys."""
-        if not self.has_focus:
-            return ELSEWHERE
         pair, close = "↑ ↓: state   ← →: action", "esc: close"
         rest = f"pgup pgdn: scroll   {close}" if is_scrolled else close
         return f"{pair}   {rest}", rest, close
