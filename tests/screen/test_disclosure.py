@@ -57,6 +57,12 @@ async def test_the_first_step_is_in_view_at_every_size(make_app: MakeApp) -> Non
                 assert LAST_STEP in in_view(pilot), (scenario, size)
 
 
+async def test_a_step_of_your_own_is_in_view(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake", panels="few"), (120, 40)) as pilot:
+        await press(pilot, "y", "right")
+        assert in_view(pilot) == {WORLD, LAST_STEP}
+
+
 async def test_all_panels_are_a_key_away_and_that_is_remembered(make_app: MakeApp, tmp_path: Path) -> None:
     async with on_screen(make_app("frozenlake", panels="few")) as pilot:
         assert in_view(pilot) == {WORLD}

@@ -18,8 +18,6 @@ _CHANGES_AGENT: Final = ("agent", "menus.open('a')")
 FIRST_PANELS: Final = frozenset({WORLD, CAPTION})
 """The first panels of a run whose panels appear one by one."""
 _LATER: Final = frozenset({TABLE, CURVE, TIMELINE, BUDGET, LAST_STEP, CONTROLS})
-_SHOW_STEP: Final = ("run.step", "time.step_back")
-"""Commands about a single step."""
 _ONCE_LEARNED: Final = frozenset({TABLE, LAST_STEP})
 
 
@@ -32,12 +30,18 @@ def panels_in_view(
     return so_far if lesson is None else lesson.lesson.panels_of(lesson.page)
 
 
+def _is_one_step(before: Snapshot, snapshot: Snapshot) -> bool:
+    is_still = before.playback.phase is not Phase.RUNNING and snapshot.playback.phase is Phase.PAUSED
+    return is_still and abs(snapshot.counters.step - before.counters.step) == 1
+
+
 @dataclass(eq=False)
 class Disclosure(Subject):
     """The panels ``so_far`` (None: all), and more as they get a meaning."""
 
     so_far: frozenset[str] | None
     is_gradual: bool
+    _before: Snapshot | None = None
 
     @property
     def in_view(self) -> frozenset[str] | None:
@@ -54,6 +58,7 @@ class Disclosure(Subject):
         """Add panels that have a meaning in ``snapshot``."""
         if self.is_gradual and self.so_far is not None:
             self.so_far |= self._meaningful(snapshot, self.so_far)
+        self._before = snapshot
         self.board.reshape(shown=self.in_view)
 
     def _meaningful(self, snapshot: Snapshot, so_far: frozenset[str]) -> frozenset[str]:
@@ -65,20 +70,16 @@ class Disclosure(Subject):
             if TABLE in so_far and snapshot.playback.phase is Phase.PAUSED:
                 found.add(LAST_STEP)
             found.add(TABLE)
+        if self._before is not None and _is_one_step(self._before, snapshot):
+            found.add(LAST_STEP)
         if CONTROLS not in so_far and has_optimal_policy(snapshot):
             found.add(CONTROLS)
         return frozenset(found)
 
     def note(self, command: str) -> None:
-        """Show the settings before ``command`` changes one, and the step that it takes."""
-        if command.startswith(_CHANGES_AGENT):
-            panel = CONTROLS
-        elif self.is_gradual and command in _SHOW_STEP:
-            panel = LAST_STEP
-        else:
-            return
-        if self.so_far is not None:
-            self.so_far |= {panel}
+        """Show the settings before ``command`` changes one."""
+        if self.so_far is not None and command.startswith(_CHANGES_AGENT):
+            self.so_far |= {CONTROLS}
             self.board.reshape(shown=self.in_view)
 
     def turn(self) -> None:
