@@ -556,7 +556,7 @@ def test_sizes_are_loading_until_the_world_is_built() -> None:
 
 def test_defaults_use_the_symbols_of_the_playground() -> None:
     values = {"algorithm": "q-learning", "alpha": 0.1, "episodes": 10_000, "initial_q": 0.0, "ties": "first"}
-    said = "Q-learning · α 0.1 · 10,000 episodes · first estimates 0 · ties broken by order"
+    said = "Q-learning · α 0.1 · 10,000 episodes · initial Q 0 · ties broken by order"
     assert defaults(values) == said
     assert defaults({"episodes": 1}) == "1 episode"
     assert defaults({"gamma": 0.0, "alpha": "sample-average"}) == "γ 0 · α sample-average"

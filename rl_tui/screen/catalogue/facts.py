@@ -41,7 +41,7 @@ def minutes_of_page(lesson: Lesson) -> int:
 
 
 LONGEST_LINE: Final = 60  # columns of prose
-_IN_WORDS: Final = {"random": "broken at random", "first": "broken by order", "Q₀": "first estimates"}
+_IN_WORDS: Final = {("ties", "random"): "broken at random", ("ties", "first"): "broken by order"}
 
 
 Block = tuple[str, str]  # a heading, which may be empty, and a paragraph
@@ -142,8 +142,8 @@ def defaults(values: Mapping[str, object]) -> str:
             parts.append(BY_ID[str(value)].name if str(value) in BY_ID else str(value))
         elif name in PARAMETERS:
             shown = f"{value:g}" if isinstance(value, float) else str(value)
-            both = (PARAMETERS[name].symbol, shown)
-            parts.append(" ".join(_IN_WORDS.get(each, each) for each in both))
+            setting = "initial Q" if name == "initial_q" else PARAMETERS[name].symbol
+            parts.append(f"{setting} {_IN_WORDS.get((name, shown), shown)}")
         else:
             singular = name.removesuffix("s")  # a count has a plural name, such as episodes
             parts.append(counted(value, singular) if isinstance(value, int) else f"{name} {value}")

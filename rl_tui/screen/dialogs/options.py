@@ -37,7 +37,7 @@ _MEANINGS: Final[Mapping[str, str]] = {
     "planning_steps": "updates a step",
     "threshold": "changes left out",
     "accuracy": "where it stops",
-    "initial_q": "first estimates",
+    "initial_q": "initial Q",
     "ties": "among equals",
 }
 """The meaning of each parameter in the 17 cells of the last column."""
