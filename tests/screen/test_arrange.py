@@ -208,6 +208,12 @@ def test_a_world_alone_is_as_large_as_it_goes(size: tuple[int, int], cell: tuple
     assert 0 <= place.regions[CURVE].y - place.regions[WORLD].bottom <= 1
 
 
+def test_on_a_small_screen_a_last_step_leaves_the_map_its_width() -> None:
+    alone = replace(MAPS["cliff"], shown=frozenset({WORLD, CAPTION}))
+    stepped = replace(MAPS["cliff"], shown=frozenset({WORLD, CAPTION, LAST_STEP}))
+    assert arrange(Size(60, 18), stepped).cell.width == arrange(Size(60, 18), alone).cell.width
+
+
 def test_a_world_alone_has_a_header_if_a_row_is_left() -> None:
     assert arrange(Size(120, 40), MAPS["cliff"], zoomed=WORLD).has_header
     assert not arrange(Size(80, 24), MAPS["lake"], zoomed=WORLD).has_header
