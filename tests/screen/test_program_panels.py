@@ -24,7 +24,7 @@ from rl_tui.programs.evidence.verdict import (
 )
 from rl_tui.programs.watched.program_log import FoundTable, OutputLine
 from rl_tui.screen.draw.canvas import length
-from rl_tui.screen.panels.last_step.last_step import LastStepPanel, last_step_lines
+from rl_tui.screen.panels.last_step.last_step import NOTHING_EVER, LastStepPanel, last_step_lines
 from rl_tui.screen.panels.microscope.backup import AFTER_END as AFTER_THE_END
 from rl_tui.screen.panels.microscope.backup import NOT_KNOWN
 from rl_tui.screen.panels.microscope.microscope import page
@@ -79,6 +79,7 @@ def test_an_update_that_is_not_known_says_why_and_nothing_else() -> None:
     assert f"{UNKNOWN}: several cells moved" in text
     for claim in ("α", "γ", "fits", "max Q"):
         assert claim not in text
+    assert "but the update is not known" in drawn(ProgramPanel, unknown("several cells moved"), 80)
 
 
 def test_where_the_whole_reason_does_not_fit_its_details_are_left_out() -> None:
@@ -107,6 +108,13 @@ def test_without_a_table_it_says_what_was_looked_for() -> None:
     view = program(table=None, verdict=ProgramVerdict(), looked_for=("an array of 16×4", "a dict"))
     text = " ".join(drawn(ProgramPanel, watched(view), 80, 4).split())
     assert "an array of 16×4; a dict" in text
+
+
+def test_a_program_that_ended_without_a_step_looks_for_nothing_more() -> None:
+    ended = watched(program(table=None, verdict=ProgramVerdict(), ended=True))
+    ended = changed(ended, step=0, last_step=None, phase=Phase.SPENT)
+    assert "FrozenLake-v1 · no table found" in drawn(ProgramPanel, ended, 80)
+    assert story(ended) == f" {NOTHING_EVER}"
 
 
 def test_a_table_that_was_wanted_is_named() -> None:
