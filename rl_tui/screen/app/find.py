@@ -26,6 +26,7 @@ from rl_tui.screen.frame.action_screen import ActionScreen, Ask, Put
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.keys.action import Action
 from rl_tui.screen.kit.bindings import ListInput, as_sentence
+from rl_tui.screen.terminal.linked_app import is_open
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.catalogue import scenarios
 
@@ -87,7 +88,7 @@ class FindScreen(Dialog[Findable]):
     async def _read_more(self) -> None:
         self._entries += await asyncio.to_thread(self._more)
         self.is_searching = False
-        if self.query_one(Input).value:
+        if is_open(self) and self.query_one(Input).value:
             self.list_matches(self.query_one(Input).value, keeps_cursor=True)
 
     def on_resize(self) -> None:
