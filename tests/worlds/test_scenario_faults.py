@@ -349,7 +349,15 @@ ONE_FAULT = {
         'a = "1,5" 2\n',
         ("line 1, column 11", "not valid TOML (.*)", ""),
     ),
-    "TOML that breaks off": ('title = "t', ("line 1", "not valid TOML (Unterminated string)", "")),
+    "TOML that breaks off": ("a = 1\nb = [\n", ("line 2", "not valid TOML (.*)", "")),
+    "a string without end": (
+        'order = 1\nnotes = """\n"a"\n',
+        ("line 2", "not valid TOML (Unterminated string)", ""),
+    ),
+    "a literal string without end": (
+        "order = 1\nnotes = '''\na\n",
+        ("line 2", "not valid TOML (Expected \"'''\")", ""),
+    ),
     "a number with too many digits": (f"a = {'1' * 5000}\n", ("", "not valid TOML (.*)", "")),
     "tables without end": (
         f"a = {'[' * 100_000}",

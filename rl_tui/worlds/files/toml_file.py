@@ -24,6 +24,7 @@ _NO_STRUCTURE: Final = re.compile(
     r"""|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"?|'[^'\n]*+'?|\#[^\n]*+""",
     re.DOTALL,
 )
+_UNCLOSED: Final = ("Unterminated string", "Expected \"'''\"")  # a string's end is missing
 _HEADER: Final = re.compile(r"^[ \t]*\[(?!\[)[^\[\]{},=\n]*\][ \t]*s?\r?$", re.MULTILINE)
 _LIST_HEADER: Final = re.compile(r"""^[ \t]*\[\[(?:"[^"\n]*+"|'[^'\n]*+'|[^\]"'\n]++)*+\]\]""", re.MULTILINE)
 _FLOAT: Final = re.compile(r"(?<![\w.-])[-+]?\d[\d_]*+\.\d[\d_]*+(?:[eE][-+]?[\d_]++)?(?!\w|[ \t]*[.=-])")
@@ -92,5 +93,10 @@ def _split(message: str, text: str) -> tuple[str, str]:
     match = re.fullmatch(r"(.*) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     if match is None:
         return f"not valid TOML ({one_line(message, 200)})", ""
-    where = match[2] if match[2].startswith("line") else f"line {text.count(chr(10)) + 1}"
+    where = match[2]
+    if where == "end of document":
+        place = len(text.rstrip("\n"))
+        if match[1] in _UNCLOSED:
+            place = max(each.start() for each in _NO_STRUCTURE.finditer(text))
+        where = f"line {text.count(chr(10), 0, place) + 1}"
     return f"not valid TOML ({one_line(match[1], 200)})", where
