@@ -16,6 +16,7 @@ from snapshots import changed
 
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.timeline.trail import TrailStep
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.signs import STATE_NUMBERS
@@ -88,6 +89,17 @@ def test_the_way_of_the_last_step_stands_on_the_edge_of_its_cell(
     style = style_at(rows[row], column)
     assert style is not None
     assert style.color == look().palette.agent.color
+
+
+@pytest.mark.parametrize("row", ["▌  3031726 ▼ ▐", "▌ 3031726 ▼▐", "▌3031726▼▐", "3031726▐"])
+def test_the_way_of_the_last_step_covers_no_digit(row: str) -> None:
+    snapshot = last_step(with_trail((4, DOWN, DOWN, 8), at=8), rose=True)
+    visits = np.zeros(64, np.int64)
+    visits[16] = 3_031_726
+    view = GridView(snapshot.world, look())
+    view.wanted_layer = Layer.VISITS
+    rows = view.picture(replace(snapshot, agent=replace(snapshot.agent, visits=visits)), 4 * len(row), 13)
+    assert rows[5].text[: len(row)] == row
 
 
 def test_a_slip_is_a_way_in_another_colour() -> None:

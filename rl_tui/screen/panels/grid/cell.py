@@ -94,7 +94,7 @@ class _Cell:
         if self.face.agent:
             self._put_agent()
         if self.extra.trace.way is not None and self.form.has_blocks:
-            put_way(self.canvas, self.extra.trace.way, self.look)
+            put_way(self.canvas, self.extra.trace.way, self._number, self.look)
         return self.canvas
 
     def _draw_content(self) -> None:
@@ -107,7 +107,14 @@ class _Cell:
             form, rows = self.form, self._value_rows
             for y, text in enumerate(rows, form.height - len(rows)):
                 ink = self.ink if text == NO_VALUE else self.ink + _BOLD
-                self.canvas.put(self._centred(len(text)), y, text, ink)
+                self.canvas.put(self._number.start, y, text, ink)
+
+    @property
+    def _number(self) -> range:
+        """The columns of the value in the last row."""
+        length = max(map(len, self._value_rows), default=0)
+        start = self._centred(length)
+        return range(start, start + length)
 
     def _centred(self, length: int) -> int:
         return self.form.centred(length, as_blocks=self.has_blocks)

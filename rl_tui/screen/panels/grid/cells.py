@@ -60,8 +60,6 @@ class CellArtist:
         for number, (text, style, _) in enumerate(told):
             if digits in text:
                 told[number] = Segment(text.replace(digits, face.text), style)
-            elif _DIGIT in text:  # a sign covers part of the number
-                return self._drawn(face)
         return [*rows[:place], told, *rows[place + 1 :]]
 
     def shown_reward(self, reward: CellReward) -> str:

@@ -125,21 +125,28 @@ def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
                 canvas.put_over(column, row, sign, colour)
 
 
-def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
-    """Draw the path on the crossed edge."""
+def put_way(canvas: Canvas, way: LastWay, number: range, look: Look) -> None:
+    """Draw the path on the crossed edge, but not over the ``number`` in the last row."""
     down, right = way.direction
     sign = way_text(way, look)
-    if canvas.width >= _LEAST_PADDED and not right:
-        sign = f" {sign} "
     row = 0 if down < 0 else canvas.height - 1 if down else canvas.height // 3
-    # next to the number in the middle
-    column = 0 if right < 0 else canvas.width - len(sign) - (not right)
+    is_padded = canvas.width >= _LEAST_PADDED and not right
+    for text in (f" {sign} ", sign) if is_padded else (sign,):
+        # next to the number in the middle
+        column = 0 if right < 0 else canvas.width - len(text) - (not right)
+        if row < canvas.height - 1 or column >= number.stop or column + len(text) <= number.start:
+            _put_whole(canvas, column, row, text, way_style(way, look))
+            return
+
+
+def _put_whole(canvas: Canvas, column: int, row: int, text: str, style: Style) -> None:
+    """Put ``text``, and erase a word that it would cut."""
     cuts = column > 0 and canvas.at(column, row).isalpha()
     x = column - 1
-    while cuts and x >= 0 and canvas.at(x, row).isalpha():  # a word is whole or not at all
+    while cuts and x >= 0 and canvas.at(x, row).isalpha():
         canvas.put_over(x, row, " ", Style.null())
         x -= 1
-    canvas.put(column, row, sign, way_style(way, look))
+    canvas.put(column, row, text, style)
 
 
 def way_style(way: LastWay, look: Look) -> Style:
