@@ -233,7 +233,7 @@ def test_the_axis_of_steps_never_begins_below_zero() -> None:
     widget.picture(many, 60, 9)
     few = replace(many.results.curve, length_mean=np.linspace(40.0, 16.0, 100))
     widget.picture(changed(many, curve=few), 60, 9)
-    assert (widget.scale.low, widget.scale.high) == (0.0, 45.0)
+    assert (widget.scale.low, widget.scale.high) == (0.0, 40.0)
 
 
 def test_while_a_lesson_holds_the_run_it_names_the_key_that_helps() -> None:

@@ -113,6 +113,20 @@ def test_an_axis_that_has_shrunk_does_not_grow_again_at_once() -> None:
     assert settled(narrow, -0.9, 1.4) is narrow
 
 
+@pytest.mark.parametrize(
+    ("wide", "low", "high", "ends"),
+    [
+        (Scale(0.0, 1.0, 0.1), 0.84, 1.0, (0.84, 1.0)),
+        (Scale(-2_000.0, 0.0, 200.0), -390.0, -13.0, (-400.0, 0.0)),
+    ],
+)
+def test_a_shrunk_axis_ends_at_the_ticks_next_to_the_data(
+    wide: Scale, low: float, high: float, ends: tuple[float, float]
+) -> None:
+    found = settled(wide, low, high)
+    assert (found.low, found.high) == pytest.approx(ends)
+
+
 def test_the_horizontal_axis_changes_rarely() -> None:
     many = range(8, 100_000, 7)
     ends = [round_range(episodes) for episodes in many]

@@ -13,7 +13,7 @@ FIRST_RANGE: Final = 10.0
 _MOST_TICKS: Final = 4
 _MOST_EMPTY: Final = 0.28  # of the axis, at either end; 0 to .74 gets an axis that ends at 1
 _LEAST_SHARE: Final = 0.5  # of the axis; it shrinks if data take less
-_SPARE: Final = 0.1  # of the data; a shrunk axis has this margin at either end
+_ROOM: Final = 1.2  # times the data: the range for which a shrunk axis has steps
 _MOST_STEPS: Final = 10  # of a tight axis
 _MOST_FIXED: Final = 4  # decimals of a label; beyond that it has an exponent
 # Each is at most a quarter more than the one before
@@ -53,25 +53,27 @@ def round_scale(low: float, high: float) -> Scale:
     raise AssertionError("no step gives two to four labels")
 
 
-def tight_scale(low: float, high: float) -> Scale:
-    """Return a close axis with round ends."""
+def tight_scale(low: float, high: float, room: float = 1.0) -> Scale:
+    """Return a close axis with round ends. Its steps are for ``room`` times the range.
+
+    The ends are the next ticks, because a farther one may be an impossible value.
+    """
     if high - low < numbers.NEGLIGIBLE:
         low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
         return Scale(0.0, 1.0, 1.0)
-    step = 10.0 ** (math.floor(math.log10(high - low)) - 1)
-    step = next(step * digit for digit in (1.0, 2.0, 5.0, 10.0) if high - low <= _MOST_STEPS * step * digit)
+    size = room * (high - low)
+    step = 10.0 ** (math.floor(math.log10(size)) - 1)
+    step = next(step * digit for digit in (1.0, 2.0, 5.0, 10.0) if size <= _MOST_STEPS * step * digit)
     return Scale(math.floor(low / step + 1e-9) * step, math.ceil(high / step - 1e-9) * step, step)
 
 
-def settled(previous: Scale | None, low: float, high: float, least: float = -math.inf) -> Scale:
-    """Return ``previous`` if it suits, else a new axis, without a margin below ``least``."""
+def settled(previous: Scale | None, low: float, high: float) -> Scale:
+    """Return ``previous`` if it suits, else a new axis."""
     if previous is not None and low >= previous.low and high <= previous.high:
-        # The margin keeps values near its end from making it grow again at once
-        spare = _SPARE * (high - low)
-        smaller = tight_scale(max(least, low - spare), high + spare)
-        is_lost = smaller.high - smaller.low <= _LEAST_SHARE * (previous.high - previous.low)
-        return smaller if is_lost else previous
+        # The room keeps values near an end from making it grow again at once
+        is_lost = _ROOM * (high - low) <= _LEAST_SHARE * (previous.high - previous.low)
+        return tight_scale(low, high, _ROOM) if is_lost else previous
     return tight_scale(low, high)
 
 

@@ -380,8 +380,7 @@ class ReturnCurve(Panel, can_focus=True):
         if snapshot.timeline.in_past and self.scale is not None:
             return self.scale
         low, high = with_room_for(data.range, data.seeds)
-        least = 0.0 if any(shows) else -math.inf  # steps and errors cannot be negative
-        scale = settled(self.scale if _runs(snapshot) else None, low, high, least)
+        scale = settled(self.scale if _runs(snapshot) else None, low, high)
         if low or high:
             # before any episode nothing uses the scale, and it must not depend on when exact values arrive
             self.scale = scale
