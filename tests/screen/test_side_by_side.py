@@ -17,6 +17,7 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.board.board import Board
 from rl_tui.screen.draw.number_form import SteadyForms
@@ -83,6 +84,32 @@ def test_a_tie_is_another_set_of_greedy_actions_than_one_of_the_two() -> None:
     assert pair is not None
     q[pair] = 1.0
     assert greedy_differences(left, changed(left, q=q)).states == {1}
+
+
+def test_actions_of_a_policy_that_may_never_end_are_compared() -> None:
+    unknown = np.full(lake().world.space.pairs, np.nan)
+    left, right = (
+        changed(lane, q=unknown, policy=lane.agent.q)
+        for lane in (with_greedy(lake(0), {0: 1, 1: 2}), with_greedy(lake(0), {0: 1, 1: 3}))
+    )
+    assert greedy_differences(left, right).states == {1}
+
+
+async def test_marks_and_note_follow_the_actions_in_view(make_app: MakeApp) -> None:
+    async with on_screen(make_app("cliff"), (120, 40)) as pilot:
+        await open_lane(pilot, "algorithm", "sarsa")
+        await train(pilot, 1_500)
+        left, right = worlds(pilot)
+        learned = left.differing
+        assert learned
+        await press(pilot, "v")
+        assert left.wanted_layer is Layer.OPTIMAL
+        assert not left.differing | right.differing
+        assert left.note == right.note == (), "the same Q* in both"
+        await press(pilot, "t", "p")
+        assert left.studied is PolicyKind.GREEDY
+        assert np.isnan(left.snapshot.agent.values).any()  # type: ignore[union-attr]
+        assert left.differing == right.differing == learned
 
 
 def test_results_stand_beside_a_map_that_leaves_columns_free_and_nowhere_else() -> None:

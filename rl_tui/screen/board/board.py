@@ -164,7 +164,7 @@ class Board(Container):
             if panel not in pair:
                 panel.show(learned if isinstance(panel, WorldView | QTable) else snapshot)
         if pair:
-            self._pair.show(learned)
+            self._pair.show(learned, self.wanted_layer)
         if self._subject_in(snapshot) != self._about:
             self._point_at(NOWHERE)
 
@@ -219,14 +219,13 @@ class Board(Container):
     def show_layer(self, layer: str) -> None:
         """Show ``layer`` in all worlds and tables."""
         self.wanted_layer = Layer(layer)
-        for panel in self._panels.values():
-            if isinstance(panel, WorldView | QTable):
-                panel.wanted_layer = self.wanted_layer
-                panel.redraw()
+        self.apply_switches()
 
     def apply_switches(self) -> None:
-        """Apply legends and cells to every panel."""
+        """Apply legends, cells and layer to every panel."""
         legends = self.legends
+        if self._pair.is_shown and self._snapshot is not None:
+            self._pair.mark(as_learned(self._snapshot), self.wanted_layer)
         for panel in self._panels.values():
             panel.is_explained = legends.is_on
             if isinstance(panel, WorldView | QTable):

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.kit.row import WORLD, PanelRow, beside
 from rl_tui.screen.panels.side_by_side import (
-    differing_states,
-    greedy_differences,
+    Differing,
     name_panels,
+    seen_differences,
     sides,
     stand_alone,
 )
@@ -69,16 +70,22 @@ class LanePair:
                 stand_alone(self._panels[row])
         return before != (self.is_shown, self.leads_right)
 
-    def show(self, snapshot: Snapshot) -> None:
-        """Draw both. The controlled one decides which part is in view."""
+    def mark(self, snapshot: Snapshot, layer: Layer) -> None:
+        """Title both, and mark where their actions differ in ``layer``."""
         left, right = sides(snapshot)
-        differences = greedy_differences(left, right)
+        world, table = seen_differences(left, right, layer)
         at_left = [self._panels[row] for row in self.twins]
-        differing, beside = differing_states(left, right, differences)
+        differing, beside = Differing(world.states, table.states), Differing(world.right, table.right)
         name_panels(at_left, left, differing, is_led=not self.leads_right, look=self._look)
         name_panels(self.twins.values(), right, beside, is_led=self.leads_right, look=self._look)
-        self._note = differences.words(left)
+        # equal exact answers of one world say nothing about the runs
+        self._note = world.words(left) if world.states or layer is not Layer.OPTIMAL else ()
         self._place_note()
+
+    def show(self, snapshot: Snapshot, layer: Layer) -> None:
+        """Draw both. The controlled one decides which part is in view."""
+        self.mark(snapshot, layer)
+        left, right = sides(snapshot)
         led, other = (right, left) if self.leads_right else (left, right)
         for row, twin in self.twins.items():
             first, second = (twin, self._panels[row]) if self.leads_right else (self._panels[row], twin)

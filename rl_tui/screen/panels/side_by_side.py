@@ -15,6 +15,7 @@ from rl_tui.runs.timeline.run_names import feature_text
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece
 from rl_tui.screen.kit.counterparts import are_alike, are_same_size, in_common
+from rl_tui.screen.kit.layers import Layer, as_layer, shown_exact
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.kit.snapshot_facts import hides_greedy, studied_kind
 from rl_tui.screen.panels.controls.controls import in_force, sliders_of
@@ -84,20 +85,27 @@ class GreedyDifferences:
 
 
 class Differing(NamedTuple):
-    """States with other ``greedy`` and other ``drawn`` actions."""
+    """The differing states of a run's world and of its table."""
 
-    greedy: frozenset[int]
-    drawn: frozenset[int]
+    world: frozenset[int]
+    table: frozenset[int]
 
 
-def differing_states(
-    left: Snapshot, right: Snapshot, differences: GreedyDifferences
-) -> tuple[Differing, Differing]:
-    """Return each run's differing states."""
-    drawn = differences
-    if studied_kind(left) is not None and studied_kind(right) is not None:
-        drawn = greedy_differences(as_studied(left), as_studied(right))
-    return Differing(differences.states, drawn.states), Differing(differences.right, drawn.right)
+def seen_differences(
+    left: Snapshot, right: Snapshot, layer: Layer
+) -> tuple[GreedyDifferences, GreedyDifferences]:
+    """Compare the actions that worlds, and those that tables show in ``layer``."""
+    table = greedy_differences(_as_seen(left, layer), _as_seen(right, layer))
+    if studied_kind(left) is None and studied_kind(right) is None:
+        return table, table
+    return greedy_differences(as_studied(left), as_studied(right)), table
+
+
+def _as_seen(lane: Snapshot, layer: Layer) -> Snapshot:
+    """Put the actions that ``layer`` shows in place of the learned ones."""
+    if layer is Layer.POLICY:
+        return as_studied(lane)
+    return as_layer(lane, layer) if layer is Layer.OPTIMAL and shown_exact(lane) is not None else lane
 
 
 def name_panels(
@@ -109,9 +117,9 @@ def name_panels(
         panel.is_led = not is_led
         if isinstance(panel, WorldView):
             panel.lane, panel.results = lane_titles(lane, number), lane_results(lane, look)
-            panel.differing = differing.drawn
+            panel.differing = differing.world
         elif isinstance(panel, QTable):
-            panel.lane, panel.differing = number, differing.greedy
+            panel.lane, panel.differing = number, differing.table
 
 
 def stand_alone(panel: BoardPanel) -> None:
@@ -222,6 +230,7 @@ def _greedy(
     q = agent.q[pairs]
     best = np.maximum.reduceat(q, first)
     knows = (np.maximum.reduceat(agent.visits[pairs], first) > 0) | (best != np.minimum.reduceat(q, first))
+    if len(agent.policy):  # of a policy that may never end, q is unknown, but not the actions
+        return agent.policy[pairs] > 0.0, knows
     knows &= ~np.isnan(best)  # unknown for a program without a table
-    is_greedy = agent.policy[pairs] > 0.0 if len(agent.policy) else q == np.repeat(best, count)
-    return is_greedy, knows
+    return q == np.repeat(best, count), knows
