@@ -79,6 +79,14 @@ def test_what_is_less_than_1_is_never_rounded_to_1_by_being_shortened(
     assert "1." not in text or text.endswith("1." + decimals * "0")
 
 
+@pytest.mark.parametrize("decimals", [0, 2, 3])
+def test_what_rounding_errors_keep_from_1_is_written_as_1(decimals: int) -> None:
+    form = NumberForm(4, decimals, leading_zero=False)
+    for sign in (1.0, -1.0):
+        assert form.text(sign * (1.0 - 4e-16)) == form.text(sign)
+    assert NumberForm(4, 3, leading_zero=False).text(0.9997) == ".999"
+
+
 def test_many_numbers_that_are_too_long_do() -> None:
     assert number_form([*np.linspace(-0.9, 0.9, 8), 0.5], 3, 2).decimals == 1
     assert number_form([-0.9, *np.linspace(0.1, 0.9, 7), *np.zeros(90)], 3, 2).decimals == 2

@@ -47,7 +47,7 @@ class NumberForm(NamedTuple):
             x = 0.0
         text = self.written(x, glyphs)
         is_short = len(text) > self.width or not self.decimals
-        if is_short and 0.0 < abs(x) < 1.0 and not self.has_exponent:
+        if is_short and 0.0 < abs(x) < 1.0 - numbers.NEGLIGIBLE and not self.has_exponent:
             text = self._fraction(x, glyphs)
         if x and not numbers.has_digits(text):
             text = self._tiny(x, glyphs)
