@@ -230,7 +230,7 @@ def _greedy(
     q = agent.q[pairs]
     best = np.maximum.reduceat(q, first)
     knows = (np.maximum.reduceat(agent.visits[pairs], first) > 0) | (best != np.minimum.reduceat(q, first))
-    if len(agent.policy):  # of a policy that may never end, q is unknown, but not the actions
+    if len(agent.policy):  # Q may be unknown, if the policy may never end
         return agent.policy[pairs] > 0.0, knows
     knows &= ~np.isnan(best)  # unknown for a program without a table
     return q == np.repeat(best, count), knows
