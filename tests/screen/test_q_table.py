@@ -85,8 +85,8 @@ def test_the_signed_layer_is_tinted_around_zero() -> None:
     target = replace(exact, q=np.full(44, 0.5))
     drawn = Drawn(changed(state, solution=target), layer=Layer.ERROR)
     assert drawn.table.heading == "Q − Q*"
-    assert drawn.style_of(1, "−.300") == PALETTE.signed_value(-0.3 / 0.5)
-    assert drawn.style_of(1, ".400") == PALETTE.signed_value(0.4 / 0.5)
+    assert drawn.style_of(1, "−.300") == PALETTE.signed_value(-0.3 / 0.4)
+    assert drawn.style_of(1, ".400") == PALETTE.signed_value(1.0)
     assert drawn.style_of(1, "−.500") == PALETTE.unvisited
 
 

@@ -14,6 +14,7 @@ from snapshots import changed
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import PolicyAnswer
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.numbers_in_common import known_v
 from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, value_scale
 from rl_tui.screen.panels.policies.studied import as_studied
@@ -133,6 +134,21 @@ def test_that_of_a_bandit_is_that_of_the_arms_pulled() -> None:
     snapshot = bandit(400)
     pulled = snapshot.agent.q[snapshot.agent.visits > 0]
     assert sorted(known_v(snapshot)) == sorted(pulled)
+
+
+def with_errors(*errors: float, tried: int = 44) -> Snapshot:
+    """Add errors to the exact Q of the first pairs, of which some are tried."""
+    shown = lake()
+    solution = shown.exact_answer.solution
+    assert solution is not None
+    q = solution.q.copy()
+    q[: len(errors)] += errors
+    return changed(shown, q=q, visits=np.int64(np.arange(44) < tried))
+
+
+def test_errors_of_untried_pairs_do_not_widen_their_scale() -> None:
+    assert SteadyScale().of(with_errors(-0.3, -0.2, -9.0, tried=2), Layer.ERROR).ends == (-0.3, 0.3)
+    assert SteadyScale().of(with_errors(-0.3, -0.2, -0.9, tried=3), Layer.ERROR).ends == (-0.9, 0.9)
 
 
 def test_it_is_drawn_with_both_ends() -> None:

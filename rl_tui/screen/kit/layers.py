@@ -20,6 +20,7 @@ from rl_tui.screen.kit.numbers_in_common import (
     held_pairs,
     known_v,
     lanes_in_view,
+    tried_pairs,
     tried_q,
 )
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
@@ -160,7 +161,7 @@ _FEW: Final = 8  # states: V of fewer may be close together, unlike their Q
 
 
 def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return a scale's numbers: V, of few states also Q."""
+    """Return a scale's numbers: V, as errors or of few states also Q."""
     if layer is Layer.ERROR:
         return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
     seen = as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot
@@ -181,8 +182,11 @@ def _has_many_states(world: World) -> bool:
 
 
 def _errors(lane: Snapshot) -> FloatArray:
-    exact, part = exact_q(lane), lane.agent.part
+    """Return the errors of known V and of tried pairs: no others have colours."""
+    exact, tried = exact_q(lane), tried_pairs(lane)
     if exact is None:
         return np.empty(0)
-    errors = lane.agent.q - exact[0]
-    return np.asarray(errors if part is None else errors[part.pairs])
+    errors = lane.agent.q[tried] - exact[0][tried]
+    if lane.world.is_bandit:
+        return np.asarray(errors)
+    return np.concatenate([known_v(as_layer(replace(lane, beside=None), Layer.ERROR)), errors])

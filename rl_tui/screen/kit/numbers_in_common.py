@@ -48,7 +48,13 @@ def exact_v(world: World, values: FloatArray) -> FloatArray:
 
 def tried_q(snapshot: Snapshot) -> FloatArray:
     """Return the finite Q of tried pairs."""
-    return finite(np.concatenate([lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]))
+    return finite(np.concatenate([lane.agent.q[tried_pairs(lane)] for lane in lanes_in_view(snapshot)]))
+
+
+def tried_pairs(lane: Snapshot) -> IntArray:
+    """Return the copied pairs with visits."""
+    part, visits = lane.agent.part, lane.agent.visits
+    return np.flatnonzero(visits) if part is None else part.pairs[visits[part.pairs] > 0]
 
 
 def best_of_states(space: FiniteSpace, values: FloatArray) -> FloatArray:
