@@ -151,6 +151,11 @@ def test_errors_of_untried_pairs_do_not_widen_their_scale() -> None:
     assert SteadyScale().of(with_errors(-0.3, -0.2, -0.9, tried=3), Layer.ERROR).ends == (-0.9, 0.9)
 
 
+def test_rounding_has_the_colour_of_no_error() -> None:
+    scale = SteadyScale().of(with_errors(-1e-9, 1e-9), Layer.ERROR)
+    assert scale.style(-1e-9, PALETTE) == scale.style(1e-9, PALETTE) == scale.style(0.0, PALETTE)
+
+
 def test_it_is_drawn_with_both_ends() -> None:
     pieces = scale_pieces(ValueScale(0.0, 0.86), look())
     assert [piece.text for piece in pieces] == ["0 ", *" " * len(PALETTE.values), " .86"]

@@ -15,6 +15,7 @@ from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.numbers_in_common import (
     best_of_states,
+    ends,
     exact_v,
     finite,
     held_pairs,
@@ -157,6 +158,7 @@ def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentVie
 # The numbers of scales
 
 
+_LEAST_ERROR: Final = 0.01  # share of the range of Q*: numbers do not show a tenth of it
 _FEW: Final = 8  # states: V of fewer may be close together, unlike their Q
 
 
@@ -167,6 +169,13 @@ def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
     seen = as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot
     v, is_whole = known_v(seen), layer is Layer.VISITS or _has_many_states(seen.world)
     return v if is_whole else np.concatenate([v, tried_q(seen)])
+
+
+def least_error(snapshot: Snapshot) -> float:
+    """Return the end of a scale of errors that are all small, where Q* is known."""
+    known = [exact[0] for lane in lanes_in_view(snapshot) if (exact := exact_q(lane)) is not None]
+    low, high = ends(finite(np.concatenate(known)))
+    return _LEAST_ERROR * (high - low)
 
 
 def policy_numbers(world: World, answer: PolicyAnswer) -> FloatArray:

@@ -16,7 +16,7 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.kit.layers import Layer, policy_numbers, scale_numbers
+from rl_tui.screen.kit.layers import Layer, least_error, policy_numbers, scale_numbers
 from rl_tui.screen.kit.numbers_in_common import lanes_in_view
 from rl_tui.screen.kit.snapshot_facts import is_kept_back, studied_kind
 from rl_tui.screen.theme.look import Look
@@ -145,7 +145,11 @@ class SteadyScale:
         else:
             if layer is Layer.Q:
                 self._scales.pop(Layer.POLICY, None)  # the agent may learn before the next study
-            scale = self._widened(layer, value_scale(values, ramp))
+            now = value_scale(values, ramp)
+            if now is not None and layer is Layer.ERROR:  # else rounding would be as red as a large error
+                least = least_error(snapshot)
+                now = _joined(now, ValueScale(-least, least, ramp))
+            scale = self._widened(layer, now)
         if scale is None:
             return ValueScale(ramp=ramp)
         if len(values):
