@@ -164,9 +164,11 @@ def test_it_is_drawn_with_both_ends() -> None:
     assert (pieces[0].text, pieces[-1].text) == ("≤−13 ", " ≥.002")
 
 
-def test_it_knows_what_lies_beyond_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    start, values = lake(0), np.array([*np.linspace(0.0, 1.0, 40), 90.0])
-    monkeypatch.setattr("rl_tui.screen.kit.value_scale.scale_numbers", lambda *_: values)
-    scale = SteadyScale().of(start)
-    assert scale.high < 90.0
-    assert scale.cuts == (False, True)
+def test_numbers_of_the_table_alone_cut_it_too() -> None:
+    shown = lake()
+    low = shown.agent.q.copy()
+    low[np.argmin(low)] = -5.0
+    visits = np.ones(44, dtype=np.int64)
+    for q, cuts in ((shown.agent.q, (False, False)), (low, (True, False))):
+        scale = SteadyScale().of(changed(shown, q=q, visits=visits))
+        assert (scale.low, scale.cuts) == (0.0, cuts)

@@ -164,11 +164,22 @@ _FEW: Final = 8  # states: V of fewer may be close together, unlike their Q
 
 def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
     """Return a scale's numbers: V, as errors or of few states also Q."""
+    if layer is Layer.ERROR or not _has_many_states(snapshot.world):
+        return shown_numbers(snapshot, layer)
+    return known_v(_seen_in(snapshot, layer))
+
+
+def shown_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
+    """Return the coloured numbers of map and table."""
     if layer is Layer.ERROR:
         return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
-    seen = as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot
-    v, is_whole = known_v(seen), layer is Layer.VISITS or _has_many_states(seen.world)
-    return v if is_whole else np.concatenate([v, tried_q(seen)])
+    seen = _seen_in(snapshot, layer)
+    v = known_v(seen)
+    return v if layer is Layer.VISITS else np.concatenate([v, tried_q(seen)])
+
+
+def _seen_in(snapshot: Snapshot, layer: Layer) -> Snapshot:
+    return as_layer(snapshot, layer) if layer in WORLD_LAYERS else snapshot
 
 
 def least_error(snapshot: Snapshot) -> float:
