@@ -262,13 +262,13 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert not board.shows(TABLE)
         assert "t p: policies" not in headings(pilot)[0]  # esc goes back there
         if board.shows(WORLD):
-            assert "V of the random policy" in headings(pilot)[0]
+            assert "random" in headings(pilot)[0]
         if size != (60, 18):  # the graph is a list of its edges there
             assert "4.04" in screen_text(pilot.app)
             assert "2.40" in screen_text(pilot.app)
         assert (await press(pilot, "down")).answers.studied is PolicyKind.GREEDY
         if board.shows(WORLD):
-            assert "V of the greedy policy" in headings(pilot)[0]
+            assert "greedy" in headings(pilot)[0]
         assert (await press(pilot, "end")).answers.studied is PolicyKind.DRAWN
         assert (await press(pilot, "down", "home", "up")).answers.studied is PolicyKind.UNIFORM
         assert (await press(pilot, "t", "p")).answers.studied is None

@@ -7,9 +7,11 @@ from dataclasses import replace
 import pytest
 from samples import bandit, lake, look, student
 from snapshots import changed
+from test_value_scale import with_policies
 from textual.geometry import Size
 
 from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.kit.value_scale import Ramp, ValueScale
@@ -26,8 +28,10 @@ TRAIL = LegendSign("•", "trail", PALETTE.strong)
 VALUES = NamedScale("value", ValueScale(0.0, 0.86))
 
 
-def line_below(view: WorldView, snapshot: Snapshot, width: int = 70, *, explained: bool = True) -> str:
-    view.cell, view.is_explained = Size(17, 6), explained
+def line_below(
+    view: WorldView, snapshot: Snapshot, width: int = 70, *, cell: int = 17, explained: bool = True
+) -> str:
+    view.cell, view.is_explained = Size(cell, 6), explained
     view.show(snapshot)
     return view.picture(snapshot, width, 25)[-1].text.strip()
 
@@ -51,6 +55,16 @@ def test_the_scale_gets_coarser_and_then_leaves_its_word_where_there_is_little_r
         (errors, 4, ""),
     ):
         assert scale_line((), named, (), width, look()).text.rstrip() == scale
+
+
+def test_a_studied_policy_is_named_in_fewer_words_where_the_scale_needs_their_room() -> None:
+    shown = with_policies(lake(), PolicyKind.GREEDY, greedy=0.6)
+    for width, name in (
+        (70, "World · V of the greedy policy"),
+        (50, "V of the greedy policy"),
+        (38, "V: greedy"),
+    ):
+        assert f"{name}  value 0 " in line_below(GridView(shown.world, look()), shown, width, cell=9)
 
 
 def test_what_is_said_of_mode_lane_or_cursor_comes_before_it() -> None:

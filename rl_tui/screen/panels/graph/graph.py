@@ -166,8 +166,10 @@ class GraphView(WorldView):
         elif self._is_draft or self._shape_of != (self.look.glyphs, is_kept):
             self._take_shape(is_kept=is_kept)
         heading = f"{HEADING} {self.policy_shown}"
-        forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
-        self.heading = self.fitting(forms, width) or heading
+        if studies := self.study_headings("V"):
+            self.heading = self.fitting(studies, width - self.scale_room) or studies[-1]
+        else:
+            self.heading = self.fitting(self.captioned(TITLE), width) or heading
         values = state_values(self.world.space, snapshot, self.tints)
         # drafted states have no value if terminal, else an unknown one
         new = (None if each.terminal else math.nan for each in self._shape.nodes[len(values.value) :])

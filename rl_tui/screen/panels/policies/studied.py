@@ -44,7 +44,7 @@ def study_headings(
     """Return headings for ``what`` (V or Q) of ``shown``, and of a policy that waits for a pause."""
     if shown is not None:
         said = f"{what} of {policy_name(shown)}"
-        forms = (f"{title} · {said}", said)
+        forms = (f"{title} · {said}", said, f"{what}: {POLICY_NAMES[shown]}")
         return (f"{title} · {said} · t p: policies", *forms) if names_key else forms
     answers = snapshot.answers
     if answers.studied is None:

@@ -21,7 +21,7 @@ from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, scale_numbers, veils_exact, world_layer
-from rl_tui.screen.kit.panel import AGENT, BoardPanel, Legend, LegendSign, agent_meaning
+from rl_tui.screen.kit.panel import AGENT, BORDER_ENDS, BoardPanel, Legend, LegendSign, agent_meaning
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale
@@ -44,8 +44,7 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
 WAITING: Final = "the world is being built"
-SCALE_ROOM: Final = 28
-"""Cells for the scale in the line below the picture."""
+_SCALE_ROOM: Final = 28  # cells, in the line below the picture
 _LEAST_RESULTS: Final = 18  # columns
 _GAP: Final = 3  # columns
 
@@ -317,7 +316,7 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def _say_what_matters(self, snapshot: Snapshot, width: int) -> None:
         if not (self.footing or self.lane or self.is_manual or self.cursor is not None):
-            self.footing = self.fitting(self._equation(snapshot), width)
+            self.footing = self.fitting(self._equation(snapshot), width - self.scale_room)
         if not self.footing and self.has_focus:
             self.footing = self.fitting(self._about_cursor(), width)
         if self.lane:
@@ -334,7 +333,7 @@ class WorldView(DrawnPicture, can_focus=True):
         if self.title:
             cut_off = f"{self.look.glyphs.ellipsis} "  # whole names first
             fitting.sort(key=lambda pair: pair[1] == footings[-1] or cut_off in f"{pair[1]} ")
-        left = SCALE_ROOM if self.studied is not None and self.title else 0
+        left = _SCALE_ROOM if self.studied is not None and self.title else 0
         beside_scale = (pair for pair in fitting if sum(map(cell_len, pair)) <= room - left)
         self._said = next(beside_scale, next(iter(fitting), (self.heading, "")))
 
@@ -369,6 +368,11 @@ class WorldView(DrawnPicture, can_focus=True):
     def fitting(self, titles: Iterable[str], width: int) -> str:
         """Return the first title that fits."""
         return super().fitting(titles, width - self._taken)
+
+    @property
+    def scale_room(self) -> int:
+        """The cells that a fitting text leaves for the scale."""
+        return _SCALE_ROOM - BORDER_ENDS if self.cell is not None else 0
 
     @property
     def named_scale(self) -> NamedScale | None:
