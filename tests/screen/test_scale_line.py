@@ -13,6 +13,7 @@ from textual.geometry import Size
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw.canvas import Piece
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.kit.value_scale import Ramp, ValueScale
 from rl_tui.screen.panels.arms import ArmsView
@@ -88,6 +89,22 @@ def test_a_map_has_it_with_and_without_its_signs() -> None:
     bare = line_below(GridView(lake().world, look()), lake(), explained=False)
     assert bare.startswith("value 0 ")
     assert bare.endswith(" .60")
+
+
+def test_a_grey_cell_of_a_state_never_tried_is_told_from_an_error_of_zero() -> None:
+    visits = lake().agent.visits.copy()
+    for tried, layer, is_told in (
+        (True, Layer.ERROR, False),
+        (False, Layer.ERROR, True),
+        (False, Layer.Q, False),
+    ):
+        visits[:4] = tried
+        q = lake().agent.q.copy()
+        q[:4] = 0.0
+        shown = changed(lake(), q=q, visits=visits)
+        view = GridView(shown.world, look())
+        view.wanted_layer = layer
+        assert ("◉ agent  · not tried" in line_below(view, shown)) is is_told
 
 
 def test_a_graph_has_it_and_arms_have_their_signs_alone() -> None:

@@ -75,7 +75,7 @@ class GridView(WorldView):
     _digits = LEAST_DIGITS
     _action_digits = LEAST_DIGITS
     _longest_name = 0  # of the visible names
-    _has_several = _has_greedy = _has_pale = False  # of the last picture
+    _has_several = _has_greedy = _has_pale = _has_untried = False  # of the last picture
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
         """Switch to ``world``, following the agent unless it ``goes_on``."""
@@ -290,6 +290,7 @@ class GridView(WorldView):
         strips = draw_grid(cells, artist, number_form, self.tints, leads, part, width, height)
         self._has_several = any(SEVERAL in strip.text for strip in strips)
         self._has_greedy = any(each.greedy for each in cells)
+        self._has_untried = any(each.value is not None and not each.known for each in cells)
         self._has_pale = any(each.lead < leads[-2] for each in cells)  # the strongest two hardly differ
         return motion.laid_over(strips, form, part.columns, number_form, self.look) if motion else strips
 
@@ -394,6 +395,8 @@ class GridView(WorldView):
         if actions is None and has_arrows:
             yield from letter_signs(self._map, ink)
         yield self.agent_sign()
+        if actions is None and self._has_untried and self.tints.is_signed:  # almost as grey as a 0
+            yield LegendSign(glyphs.untried, "not tried", palette.unvisited)
         has_edges = actions is None and form is not None and form.width >= LEAST_ARROWS
         yield from ground_signs(self._map, ink, self.look, has_edges=has_edges)
         if self._map.unreached:
