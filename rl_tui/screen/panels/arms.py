@@ -104,11 +104,11 @@ class ArmsView(WorldView):
             LegendSign(glyphs.best_arm, "best arm", palette.strong),
         )
         return (
+            LegendSign(glyphs.whisker, "standard error", palette.text),
             *(truth if self.snapshot is not None and not is_secret(self.snapshot) else ()),
             LegendSign(glyphs.agent, "last pull", palette.agent),
             LegendSign(glyphs.cursor, "greedy", palette.best),
             LegendSign(glyphs.bar_end, "estimate", palette.text),
-            LegendSign(glyphs.whisker, "standard error", palette.text),
         )
 
     @property
