@@ -45,14 +45,14 @@ def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
     snapshot = changed(bandit(), phase=Phase.PAUSED)
     rows = [strip.text for strip in view.picture(snapshot, 40, 10)]
     assert rows == [
-        "   0            ━━━┃━━                  ",
+        "   0            ━━━┃━▌                  ",
         "   1                 ▐━┃━━              ",
         "   2          ━━┃━━━ ▌                  ",
         "   3                 ▐   ━━┃━           ",
         "   4               ━━┃━━                ",
         "▸◉ 5                 ▐          ┃       ",
-        "   6              ━━┃━━                 ",
-        "   7                 ━━┃━━              ",
+        "   6              ━━┃▌━                 ",
+        "   7                 ▐━┃━━              ",
         "   8     ━━┃━━━      ▌                  ",
         "   9                 ▐    ━┃━━          ",
     ]
@@ -224,6 +224,17 @@ def test_bars_go_from_0_to_the_estimate_and_the_greedy_one_has_the_colour_of_wha
     other = style_at(strips[16], zero - 1)
     assert other is not None
     assert other.bgcolor not in (None, palette.best.color)
+
+
+@pytest.mark.parametrize("depth", ["truecolor", "16", "none"])
+def test_a_bar_touches_the_axis_under_its_error_and_an_estimate_of_0_has_none(depth: str) -> None:
+    q, visits = np.array([-0.3, 0.3, *[0.0] * 8]), np.array([1, 1, 1, *[0] * 7])
+    view = ArmsView(bandit_world(), look(depth == "none", depth))
+    strips = view.picture(changed(bandit(), q=q, visits=visits), 40, 10)
+    zero = strips[2].text.index(view.look.glyphs.bar_end)
+    assert tuple(strip.text[zero] for strip in strips[:2]) == tuple(view.look.glyphs.half_bar)
+    assert view.look.glyphs.bar not in strips[2].text
+    assert not any(style_at(strips[2], x).bgcolor for x in range(zero - 1, zero + 2))
 
 
 def test_without_colours_bars_are_characters() -> None:

@@ -194,27 +194,26 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
 
 def _draw_bar(canvas: Canvas, rows: range, arm: Arm, plot: _Plot, look: Look) -> None:
     glyphs, palette, y = look.glyphs, look.palette, rows.start
-    full = range(0)
+    bar = range(0)
     if arm.error is None:
         _draw_not_pulled(canvas, y, arm, plot, look)
     else:
         ground, ink = _bar_ground(arm.greedy, palette), palette.best if arm.greedy else palette.text
         zero, end = plot.column(0.0), plot.column(arm.estimate)
-        start, stop = min(zero, end), max(zero, end) + 1
-        for row in rows:
-            canvas.put(start, row, (" " if ground.bgcolor else glyphs.bar) * (stop - start), ground)
-            if end != zero and ground.bgcolor:  # the line of 0 is in the middle of its cell
-                canvas.put(zero, row, glyphs.half_bar[end > zero], Style(color=ground.bgcolor))
+        bar = range(min(zero, end), max(zero, end) + 1) if end != zero else bar
         first, last = plot.column(arm.estimate - arm.error), plot.column(arm.estimate + arm.error) + 1
         line = glyphs.whisker * (end - first) + glyphs.bar_end + glyphs.whisker * (last - end - 1)
         canvas.put(first, y, line, ink)
-        full = range(start + (zero < end), stop - (end < zero))
-        inside = range(max(first, full.start), min(last, full.stop))
-        if ground.bgcolor and inside:
-            canvas.put(inside.start, y, line[inside.start - first : inside.stop - first], ground)
+        for row in rows:
+            canvas.put(bar.start, row, (" " if ground.bgcolor else glyphs.bar) * len(bar), ground)
+            if bar and ground.bgcolor:  # the line of 0 is in the middle of its cell
+                canvas.put(zero, row, glyphs.half_bar[end > zero], Style(color=ground.bgcolor))
+        for x in range(max(first, bar.start), min(last, bar.stop)):
+            if x != zero:
+                canvas.put(x, y, line[x - first], ground if ground.bgcolor else ink)
     if arm.mean is not None:
         x = plot.column(arm.mean)
-        ink = _bar_ground(arm.greedy, palette) if x in full else palette.optimum  # no notch in the bar
+        ink = _bar_ground(arm.greedy, palette) if x in bar else palette.optimum  # no notch in the bar
         canvas.put(x, y, true_mean_glyph(look), ink + Style(bold=True))
     if arm.best:
         canvas.put(plot.left + plot.width, y, glyphs.best_arm, palette.optimum + Style(bold=True))
