@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import fields
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 from typing import Literal, get_args
 
 import pytest
@@ -25,7 +25,7 @@ from rl_tui.screen.theme.look import (
     is_native,
     palette_for,
 )
-from rl_tui.screen.theme.roles import paled
+from rl_tui.screen.theme.roles import PALEST, paled, readable
 from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 
 DEPTHS: tuple[Depth, ...] = get_args(Depth)
@@ -191,6 +191,16 @@ def test_an_ink_is_as_pale_as_was_asked_for_and_never_below_3(palette: Palette, 
         wanted = 3.0 + share * (contrast(style.color, style.bgcolor) - 3.0)
         assert contrast(pale.color, style.bgcolor) >= wanted - 0.01
         assert (pale == style) or share < 1.0
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_the_frame_of_an_update_and_a_slip_are_readable_on_every_ground(palette: Palette) -> None:
+    cells = (*palette.values, *palette.signed, *palette.visits, palette.unvisited, palette.agent)
+    for sign, cell in product((palette.good, palette.bad), cells):
+        mixed = readable(sign, cell).color
+        assert mixed is not None
+        assert cell.bgcolor is not None
+        assert contrast(mixed, cell.bgcolor) >= PALEST
 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)

@@ -72,6 +72,19 @@ def faded(style: Style, share: float) -> Style:
     )
 
 
+@lru_cache(4_096)
+def readable(style: Style, on: Style) -> Style:
+    """Mix the ink with that of ``on`` until it is a readable symbol on its ground."""
+    ink, ground = style.color, on.bgcolor
+    if ink is None or on.color is None or ground is None or ink.type not in _MIXABLE:
+        return style
+    for step in range(_STEPS + 1):
+        mixed = faded(Style(color=on.color, bgcolor=ink), step / _STEPS).color
+        if mixed is not None and contrast(mixed, ground) >= PALEST:
+            return style + Style(color=mixed)
+    return style
+
+
 # Roles
 
 

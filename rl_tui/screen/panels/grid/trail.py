@@ -10,7 +10,7 @@ from rich.style import Style
 from rl_tui.screen.draw.block_signs import Direction
 from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.kit.snapshot_facts import followed_step
-from rl_tui.screen.theme.roles import faded
+from rl_tui.screen.theme.roles import faded, readable
 
 if TYPE_CHECKING:
     from rl_tui.live.snapshot import Snapshot
@@ -105,7 +105,7 @@ def trace_colour(trace: Trace, ground: Style, look: Look) -> Style | None:
     """
     if trace.error is None:
         return look.palette.source_line if trace.is_next else None
-    colour = look.palette.error(trace.error)
+    colour = readable(look.palette.error(trace.error), ground)
     if trace.share < 1.0:
         colour += Style(color=faded(ground + colour, trace.share).color)
     return colour
@@ -151,7 +151,8 @@ def _put_whole(canvas: Canvas, column: int, row: int, text: str, style: Style) -
 
 def way_style(way: LastWay, look: Look) -> Style:
     """Return the style of a path, red if the agent slipped."""
-    return look.palette.agent + (Style(color=look.palette.bad.color) if way.slipped else Style.null())
+    agent = look.palette.agent
+    return agent + readable(Style(color=look.palette.bad.color), agent) if way.slipped else agent
 
 
 def way_text(way: LastWay, look: Look) -> str:
