@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import MakeApp
-from drawn_grids import picture, style_at, visited
+from drawn_grids import picture, q_of, style_at, visited
 from samples import lake, learned_from, look
 from seams import on_screen, press, screen_text, snapshot, train
 from snapshots import changed
@@ -119,14 +119,15 @@ def test_the_cell_of_the_updated_pair_has_a_frame_in_the_colour_of_its_error(ros
     snapshot = last_step(with_trail((4, DOWN, DOWN, 8), at=8), rose=rose)
     view, palette = GridView(snapshot.world, look()), look().palette
     rows = view.picture(snapshot, 56, 12)
-    apart, framed = [" ▕", " ▕", "▁▕"], ["▌▐"] * 3
-    assert [row.text[0] + row.text[13] for row in rows] == [*apart, *framed, *apart, *[" ▕"] * 3]
+    apart, framed = [" ▕"] * 3, ["▌▐"] * 3
+    assert [row.text[0] + row.text[13] for row in rows] == [*apart, *framed, *apart, *apart]
     style = style_at(rows[4], 0)
     assert style is not None
     assert style.color == (palette.good if rose else palette.bad).color
     fast = changed(snapshot, phase=Phase.RUNNING, speed=None)
     assert "▌" not in "".join(row.text[0] for row in view.picture(fast, 56, 12))
-    plain = GridView(snapshot.world, look(ascii=True)).picture(snapshot, 56, 12)
+    known = changed(snapshot, q=q_of(snapshot, {(4, DOWN): 0.5}))
+    plain = GridView(snapshot.world, look(ascii=True)).picture(known, 56, 12)
     reversed_number = style_at(plain[5], 6)
     assert reversed_number is not None
     assert reversed_number.reverse

@@ -95,7 +95,7 @@ def style_of(rows: list[Strip], y: int, x: int) -> Style:
 
 def number(rows: list[Strip], cell: int) -> str:
     row, column = divmod(cell, 4)
-    return rows[row * HEIGHT + HEIGHT - 1].text[column * WIDTH :][:WIDTH].strip("▌▐▁▕ ")
+    return rows[row * HEIGHT + HEIGHT - 1].text[column * WIDTH :][:WIDTH].strip("▌▐▕ ")
 
 
 def frame(rows: list[Strip], cell: int) -> Color | None:

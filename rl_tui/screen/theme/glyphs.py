@@ -60,7 +60,7 @@ class Glyphs:
     breakpoint: str = _in("!", "!")
     trail: str = _in("•", "=")  # on a map: recent and older steps
     trail_old: str = _in("◦", ",")
-    seams: str = _in("▕▁", "|_")  # between the cells of a map: at the right, below
+    seam: str = _in("▕", "|")  # between the cells of a map
     edges: str = _in("▏▕", "||")  # walls between the cells of a map: at the left, at the right
     frame: str = _in("▌▐▔▁", "[]--")  # around a cell: left, right, above, below
     lit_edge: str = _in("▔", "#")  # of a wall

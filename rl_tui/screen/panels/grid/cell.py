@@ -162,13 +162,8 @@ class _Cell:
     def _put_seams(self) -> None:
         if not self.form.has_seam or not self.extra.is_reached or self.face.kind is CellKind.CLIFF:
             return
-        right, below = tuple(self.glyphs.seams)
-        width, last, blank = self.form.width - 1, self.form.height - 1, self._blank
-        for row in range(last + 1):
-            self.canvas.put_where_blank(width, row, right, blank)
-        # next to numbers a seam looks like a blank to fill in
-        if last >= 2 and self.face.kind in _ALIVE and self.canvas.is_blank(0, last, width):
-            self.canvas.put(0, last, below * width, blank)
+        for row in range(self.form.height):
+            self.canvas.put_where_blank(self.form.width - 1, row, self.glyphs.seam, self._blank)
 
     def _put_cursor(self) -> None:
         has_frame = self.glyphs.braille and self.form.width >= 5

@@ -116,10 +116,10 @@ def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
     glyphs = look.glyphs
     for row in range(canvas.height):
         for column, sign in ((0, glyphs.frame[0]), (canvas.width - 1, glyphs.frame[1])):
-            if canvas.at(column, row) in f" {glyphs.seams}":
+            if canvas.at(column, row) in f" {glyphs.seam}":
                 canvas.put_over(column, row, sign, colour)
     for row, sign in ((0, glyphs.frame[2]), (canvas.height - 1, glyphs.frame[3])):
-        free = [x for x in range(1, canvas.width - 1) if canvas.at(x, row) in f" {glyphs.seams}"]
+        free = [x for x in range(1, canvas.width - 1) if canvas.at(x, row) in f" {glyphs.seam}"]
         if canvas.height >= 3 and look.palette.has_shades and len(free) >= _LEAST_BLANK * canvas.width:
             for column in free:
                 canvas.put_over(column, row, sign, colour)
