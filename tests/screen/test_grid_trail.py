@@ -16,11 +16,13 @@ from snapshots import changed
 
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.timeline.trail import TrailStep
+from rl_tui.screen.catalogue.preview import beginning_of
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.signs import STATE_NUMBERS
 from rl_tui.screen.panels.last_step.last_step import LastStepPanel
+from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.world import World
 
@@ -315,6 +317,16 @@ def test_cells_have_the_numbers_of_their_states(size: tuple[int, int], row: int,
     view.is_numbered = True
     assert view.picture(snapshot, *size)[row].text.rstrip() == expected
     assert STATE_NUMBERS in view.heading
+
+
+def test_a_hatched_cell_has_no_number() -> None:
+    cliff = beginning_of(find("cliff"), find("cliff").section.build(np.random.default_rng(0)))
+    view = GridView(cliff.world, look())
+    view.is_numbered = True
+    for height in (4, 20):
+        text = "".join(strip.text for strip in view.picture(cliff, 12 * 12, height))
+        assert [number for number in range(37, 47) if str(number) in text] == []
+        assert all(str(number) in text for number in (35, 36, 47))
 
 
 @pytest.mark.parametrize(

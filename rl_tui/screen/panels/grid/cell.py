@@ -440,7 +440,7 @@ class _Cell:
 
     def _take_name(self) -> None:
         form, face = self.form, self.face
-        if len(self.name) > form.longest_name:
+        if len(self.name) > form.longest_name or face.kind is CellKind.CLIFF:  # hatching would hide some
             self.name = ""
         elif form.has_corner:
             self.name = self.name.strip()
