@@ -440,9 +440,7 @@ def test_no_number_is_cut_in_any_cell(in_ascii: bool, times: float) -> None:
                 is_whole = any(number in row or glyphs.no_room in row for row in text)
                 in_blocks = block_number(number)
                 lines = zip(in_blocks, text[-3:], strict=False)
-                is_whole |= bool(in_blocks) and all(
-                    each.strip() in row for each, row in lines
-                )
+                is_whole |= bool(in_blocks) and all(each.strip() in row for each, row in lines)
                 assert is_whole, (width, height, text)
 
 

@@ -21,6 +21,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.catalogue.preview import beginning_of
 from rl_tui.screen.draw.names import landmark
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import LegendSign, Panel, legend_text
@@ -119,6 +120,13 @@ def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
     assert "╱ cliff" not in legend(explained(GridView(lake().world, look()), lake(), 60, 13))
     table = explained(QTable(look()), bandit(400), 60, 20)
     assert legend(table) == ["▌▐ greedy", "▐ just updated", "◉ last pull", "· not tried"]
+
+
+@pytest.mark.parametrize(("scenario", "ends"), [("bridge", "●★ exit"), ("maze-188", "★ exit")])
+def test_exits_have_one_sign_and_no_letter(scenario: str, ends: str) -> None:
+    start = beginning_of(find(scenario), find(scenario).section.build(np.random.default_rng(0)))
+    shown = legend(explained(GridView(start.world, look()), start, 100, 40))
+    assert [entry for entry in shown if "exit" in entry] == [ends]
 
 
 @pytest.mark.parametrize("layer", [Layer.Q, Layer.ERROR, Layer.VISITS])

@@ -219,6 +219,12 @@ class GridMap:
         return name if is_word(name) else str(self.grid.kinds[cell])
 
     @cached_property
+    def actions_beside_exits(self) -> frozenset[int]:
+        """The actions of all cells but exits, which have signs of their own."""
+        cells = np.asarray(self.grid.cell_of_state)[self._space.pair_state]
+        return frozenset(self._space.pair_action[~np.isin(cells, list(self._exits))].tolist())
+
+    @cached_property
     def action_kinds(self) -> ActionKinds:
         """The kinds of actions of all states."""
         return action_kinds(self._space, self.grid)

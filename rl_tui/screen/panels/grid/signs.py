@@ -93,8 +93,8 @@ def action_signs(form: ActionForm, highest: Style, look: Look) -> Iterator[Legen
 
 def letter_signs(of: GridMap, ink: Style) -> Iterator[LegendSign]:
     """Yield the letters of actions."""
-    for sign, name in zip(of.signs, of.action_names, strict=True):
-        if isinstance(sign, str) and sign != name:
+    for action, (sign, name) in enumerate(zip(of.signs, of.action_names, strict=True)):
+        if isinstance(sign, str) and sign != name and action in of.actions_beside_exits:
             yield LegendSign(sign, name, ink)
 
 
@@ -119,7 +119,10 @@ def place_signs(
         (CellKind.CLIFF, glyphs.cliff, palette.cliff),
         (CellKind.GOAL, glyphs.goal, palette.goal),
     )
-    yield from (LegendSign(sign, of.ends[kind], style) for kind, sign, style in ends if kind in of.ends)
+    shown = [(of.ends[kind], sign, style) for kind, sign, style in ends if kind in of.ends]
+    for name in dict.fromkeys(name for name, _, _ in shown):
+        signs, styles = zip(*(each[1:] for each in shown if each[0] == name), strict=True)
+        yield LegendSign("".join(signs), name, styles[0] if len(signs) == 1 else palette.strong)
     if CellKind.START in kinds and not says_start:
         yield LegendSign(START, "start", ink)
 
