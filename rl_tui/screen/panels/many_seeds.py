@@ -114,7 +114,8 @@ def _meaning(study: SeedStudy, snapshot: Snapshot, look: Look, *, has_marks: boo
     meaning = f"± is the standard error{which}"
     if has_marks and any(lane.seeds for lane in study.lanes):
         glyphs = look.glyphs
-        meaning = f"{glyphs.world_mark} this seed, {glyphs.estimate} mean ± its standard error{which}"
+        signs = f"{glyphs.eighths[2]} other seeds, {glyphs.world_mark} this seed, {glyphs.estimate} mean"
+        meaning = f"{signs} ± its standard error{which}"
     if snapshot.recipe.scenario.section.drawn_from_seed:
         what = "arms" if snapshot.world.is_bandit else "world"
         meaning = f"{meaning}; each seed draws its own {what}"
