@@ -48,7 +48,7 @@ from rl_tui.screen.panels.grid.trail import Trace, subject_traces, trace_signs, 
 from rl_tui.screen.panels.margins import NO_MARGINS, LabelledPart, margins_in
 from rl_tui.screen.panels.world.scale_line import NamedScale
 from rl_tui.screen.panels.world.shown_policy import TITLE
-from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.panels.world.view import SCALE_ROOM, WorldView
 from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FloatArray
@@ -275,7 +275,7 @@ class GridView(WorldView):
                 self._action_digits = needed
             return self._drawn_cells(snapshot, width, height)
         self.heading = self._what_is_drawn(form, width)
-        self.footing = self._where(width - self.scale_room) or self._where(width)
+        self.footing = self._where(width - SCALE_ROOM) or self._where(width)
         self.free_columns = width - part.columns * form.width
         self._form = form
         if self.drawn_layer is Layer.LANDSCAPE:

@@ -44,7 +44,7 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
 WAITING: Final = "the world is being built"
-_SCALE_ROOM: Final = 28  # cells, in the line below the picture
+SCALE_ROOM: Final = 28  # cells, in the line below the picture
 _LEAST_RESULTS: Final = 18  # columns
 _GAP: Final = 3  # columns
 
@@ -333,7 +333,7 @@ class WorldView(DrawnPicture, can_focus=True):
         if self.title:
             cut_off = f"{self.look.glyphs.ellipsis} "  # whole names first
             fitting.sort(key=lambda pair: pair[1] == footings[-1] or cut_off in f"{pair[1]} ")
-        left = _SCALE_ROOM if self.studied is not None and self.title else 0
+        left = SCALE_ROOM if self.studied is not None and self.title else 0
         beside_scale = (pair for pair in fitting if sum(map(cell_len, pair)) <= room - left)
         self._said = next(beside_scale, next(iter(fitting), (self.heading, "")))
 
@@ -372,7 +372,7 @@ class WorldView(DrawnPicture, can_focus=True):
     @property
     def scale_room(self) -> int:
         """The cells that a fitting text leaves for the scale."""
-        return _SCALE_ROOM - BORDER_ENDS if self.cell is not None else 0
+        return SCALE_ROOM - BORDER_ENDS if self.cell is not None else 0
 
     @property
     def named_scale(self) -> NamedScale | None:
