@@ -109,7 +109,8 @@ def test_a_grey_cell_of_a_state_never_tried_is_told_from_an_error_of_zero() -> N
 
 def test_a_graph_has_it_and_arms_have_their_signs_alone() -> None:
     assert line_below(GraphView(student().world, look()), student()).startswith("value 0 ")
-    assert line_below(ArmsView(bandit(400).world, look()), bandit(400)).startswith("◉ last pull")
+    below = line_below(ArmsView(bandit(400).world, look()), bandit(400))
+    assert below.startswith("━ standard error  ◉ last pull")
 
 
 def test_a_lane_and_a_mode_are_named_before_the_scale() -> None:

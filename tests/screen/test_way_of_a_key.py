@@ -59,7 +59,7 @@ def noted_way() -> Iterator[Way]:
 @pytest.mark.usefixtures("real_frames")
 @pytest.mark.parametrize(
     ("key", "functions", "files"),
-    [("s", 554, 106), ("b", 585, 107), ("right", 604, 108)],
+    [("s", 556, 106), ("b", 585, 107), ("right", 607, 108)],
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:

@@ -162,24 +162,17 @@ _LEAST_ERROR: Final = 0.01  # share of the range of Q*: numbers do not show a te
 _FEW: Final = 8  # states: V of fewer may be close together, unlike their Q
 
 
-def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return a scale's numbers: V, as errors or of few states also Q."""
-    if layer is Layer.ERROR or not _has_many_states(snapshot.world):
-        return shown_numbers(snapshot, layer)
-    return known_v(_seen_in(snapshot, layer))
-
-
-def shown_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return the coloured numbers of map and table."""
+def layer_numbers(snapshot: Snapshot, layer: Layer) -> tuple[FloatArray, FloatArray]:
+    """Return the numbers that set a scale (V, as errors or of few states also Q), and all that it colours."""
     if layer is Layer.ERROR:
-        return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
-    seen = _seen_in(snapshot, layer)
+        errors = finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
+        return errors, errors
+    seen = as_layer(snapshot, layer) if layer in WORLD_LAYERS else snapshot
     v = known_v(seen)
-    return v if layer is Layer.VISITS else np.concatenate([v, tried_q(seen)])
-
-
-def _seen_in(snapshot: Snapshot, layer: Layer) -> Snapshot:
-    return as_layer(snapshot, layer) if layer in WORLD_LAYERS else snapshot
+    if layer is Layer.VISITS:
+        return v, v
+    coloured = np.concatenate([v, tried_q(seen)])
+    return v if _has_many_states(snapshot.world) else coloured, coloured
 
 
 def least_error(snapshot: Snapshot) -> float:

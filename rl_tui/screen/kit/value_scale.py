@@ -16,7 +16,7 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.kit.layers import Layer, least_error, policy_numbers, scale_numbers, shown_numbers
+from rl_tui.screen.kit.layers import Layer, layer_numbers, least_error, policy_numbers
 from rl_tui.screen.kit.numbers_in_common import lanes_in_view
 from rl_tui.screen.kit.snapshot_facts import is_kept_back, studied_kind
 from rl_tui.screen.theme.look import Look
@@ -139,8 +139,7 @@ class SteadyScale:
         if layer not in (Layer.Q, Layer.LANDSCAPE):
             self.of(snapshot)
         layer = Layer.Q if layer is Layer.LANDSCAPE else layer
-        shown = shown_numbers(snapshot, layer)
-        values, ramp = scale_numbers(snapshot, layer), RAMPS.get(layer, Ramp.VALUES)
+        (values, coloured), ramp = layer_numbers(snapshot, layer), RAMPS.get(layer, Ramp.VALUES)
         if layer is Layer.Q and studied_kind(snapshot) is not None:
             scale = self._of_policies(snapshot)
         else:
@@ -153,8 +152,8 @@ class SteadyScale:
             scale = self._widened(layer, now)
         if scale is None:
             return ValueScale(ramp=ramp)
-        if len(shown):
-            cuts = scale.side(float(shown.min())) < 0, scale.side(float(shown.max())) > 0
+        if len(coloured):
+            cuts = scale.side(float(coloured.min())) < 0, scale.side(float(coloured.max())) > 0
             scale = replace(scale, cuts=cuts)
         return scale
 

@@ -20,7 +20,7 @@ from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike
-from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, scale_numbers, veils_exact, world_layer
+from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, layer_numbers, veils_exact, world_layer
 from rl_tui.screen.kit.panel import AGENT, BORDER_ENDS, BoardPanel, Legend, LegendSign, agent_meaning
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
@@ -380,7 +380,7 @@ class WorldView(DrawnPicture, can_focus=True):
         layer = self.drawn_layer
         if self.world.is_bandit or (self.lacks_table and layer not in WORDS):
             return None
-        is_known = self.snapshot is not None and len(scale_numbers(self.snapshot, layer)) > 0
+        is_known = self.snapshot is not None and len(layer_numbers(self.snapshot, layer)[0]) > 0
         unknown = VEILED if self.veils else ALL_ZERO if is_known else NOTHING_KNOWN
         return NamedScale(WORDS.get(layer, VALUE), self.tints, unknown)
 
