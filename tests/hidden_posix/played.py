@@ -53,7 +53,7 @@ def main() -> None:
     (session,), _ = sessions_in(SESSIONS)
     shown["replayed"] = run("replay", str(session.path), "--json")
     seeds = play(session, "s", "t", "m", until_gone="first numbers come")
-    shown["many seeds"] = "of 256 seeds" in asyncio.run(seeds).replace("&#160;", " ")
+    shown["many seeds"] = "256 seeds" in asyncio.run(seeds).replace("&#160;", " ")
     (session,), _ = sessions_in(SESSIONS)
     shown["continued"] = run("replay", str(session.path), "--json")
     print(json.dumps(shown))
