@@ -321,11 +321,9 @@ class Form(Dialog[Any]):
     def _feet(self) -> tuple[str, ...]:
         """The keys below, widest form first."""
         parts = [part for part in (self._keys, f"enter: {self._does}", _CLOSE) if part]
-        if self.candidates:
-            chooses = f"a number or enter: {self._does}" if self._numbers else parts[-2]
-            whole = [_MOVE, *parts[:-2], chooses, _CLOSE]
-        else:
-            whole = parts
+        whole = [_MOVE, *parts] if self.candidates else parts
+        if self._numbers:
+            whole[-2] = f"a number or {whole[-2]}"
         return _WIDE.join(whole), _WIDE.join(parts), "  ".join(parts)
 
     def _named(self, candidate: Candidate) -> str:
