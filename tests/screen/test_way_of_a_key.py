@@ -23,8 +23,11 @@ WAITING = (
     "Frames.settled",
     "Player.carried_out",
     "_Question.",
+    "Player.unanswered",
+    "Playground._show_unanswered",
+    "WaitingRow.show_unanswered",
 )
-"""Functions that only a test and `screenshot` run, to wait for the last cell."""
+"""Functions that a key does not run: a test and `screenshot` wait with them, or a timer calls them."""
 
 
 class Way:
@@ -59,11 +62,15 @@ def noted_way() -> Iterator[Way]:
 @pytest.mark.usefixtures("real_frames")
 @pytest.mark.parametrize(
     ("key", "functions", "files"),
-    [("s", 556, 106), ("b", 585, 107), ("right", 607, 108)],
+    [("s", 565, 110), ("b", 600, 110), ("right", 615, 110)],
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:
-    """Raise these numbers if you lengthen the way of a key."""
+    """Keep the way of a key short.
+
+    The limits leave room for what depends on the machine: how far compiling has come, and whether a step
+    back finds its position kept or replays a few steps.
+    """
     seen = "Slider.set_value" if key == "right" else "Playback.snapshot"
     with noted_way() as way:
         async with on_screen(app_at(recipe_for(find("frozenlake"))), (120, 40)) as pilot:
@@ -71,7 +78,6 @@ async def test_few_functions_run_for_a_key(key: str, functions: int, files: int)
             if key == "right":
                 slider(pilot.app, "alpha").focus()
             await press(pilot, key, key)  # one-time reads and builds do not count
-            # A slow machine sometimes does more: what ran each time counts
             ran = set.intersection(*[await way.of(pilot, key) for _ in range(4)])
     assert {"Playground.redraw", "Board.show", seen} <= {name for _, name in ran}
     assert len(ran) <= functions
