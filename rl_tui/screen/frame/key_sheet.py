@@ -138,6 +138,8 @@ class KeySheet(Dialog[str]):
         singles = [each for each in self._actions if not each.menu and each.group in rest]
         # Menus have their own heading; keys for emergencies are explained under words
         listed = [each for each in singles if each.key not in MENUS and not each.everywhere]
+        if self._panel is not None:  # it takes the moving keys
+            listed = [each for each in listed if not each.unfocused]
         yield "Everywhere", [entry for each in listed if (entry := _entry(each)).key]
 
     def _columns(self, entries: Sequence[_Entry], count: int, width: int) -> Iterator[Text]:
