@@ -12,6 +12,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.screen.app.find import NOTHING, Findable, FindScreen, found_by, relevance
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.glossary import GlossaryScreen
+from rl_tui.screen.keys.registry import ACTIONS
 from rl_tui.screen.playground.playground import Playground
 
 
@@ -53,6 +54,31 @@ def test_an_exact_word_comes_before_a_beginning_before_other_words_before_the_se
 def test_signs_are_found_as_they_are_typed() -> None:
     assert relevance("8x8", entry("FrozenLake 8×8")) > 0.0
     assert relevance("-", entry("−")) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("id_", "words"),
+    [
+        ("help", "help manual shortcuts"),
+        ("back", "close environment lesson load sessions tutorial"),
+        ("run.run_or_pause", "continue pause resume train"),
+        ("run.slower", "speed"),
+        ("until.choose", "skip"),
+        ("time.show_branches", "history log redo undo"),
+        ("view.next_layer", "error heatmap"),
+        ("view.zoom", "fullscreen"),
+        ("view.hide_answer", "cheat solution"),
+        ("agent.show_options", "config options preferences"),
+        ("until.toggle_breakpoint", "debug"),
+        ("export.choose", "chart code copy csv image plot python screenshot share svg"),
+        ("panels.turn", "layout"),
+        ("run.reset", "new reset restart"),
+    ],
+)
+def test_words_of_other_programs_lead_to_an_action(id_: str, words: str) -> None:
+    action = next(each for each in ACTIONS if each.id == id_)
+    sought = entry(action.label, also=action.aliases, sentence=action.help)
+    assert [word for word in words.split() if not relevance(word, sought)] == []
 
 
 async def names(pilot: Pilot[UserError]) -> list[str]:

@@ -57,13 +57,17 @@ LESSON_ACTIONS: Final[tuple[Action, ...]] = (
 
 _RUN: Final[tuple[Action, ...]] = (
     Action("run.run_or_pause", "space", "run", "Run, or pause.").also(
-        rank=0, is_first=True, while_running="pause", aliases="go play start stop train", takes_steps=True
+        rank=0,
+        is_first=True,
+        while_running="pause",
+        aliases="go play start stop train continue resume",
+        takes_steps=True,
     ),
     Action("run.step", "s", "step", "Take one step, then pause.", rank=1, is_first=True, takes_steps=True),
     Action(
         "run.episode", "e", "episode", "Run one episode, or one pass of a planner.", rank=2, takes_steps=True
     ),
-    Action("time.step_back", "b", "back", "Go back one step.").also(
+    Action("time.step_back", "b", "back", "Go back one step, to the settings of that time.").also(
         rank=3, is_first=True, entry=("b B", "back"), aliases="undo rewind", stays=True
     ),
     Action(
@@ -79,11 +83,13 @@ _RUN: Final[tuple[Action, ...]] = (
         )
     ),
     Action("run.faster", "plus,equals_sign", "faster", "Go faster: 1, 3, 10, 30 … steps a second.").also(
-        symbol="+", rank=8, hint=("+ −", "speed"), entry=("+ −", "speed")
+        symbol="+", rank=8, hint=("+ −", "speed"), entry=("+ −", "speed"), aliases="speed"
     ),
-    Action("run.slower", "minus,underscore", "slower", "Go slower.", symbol="−", entry=_NO_ENTRY),
+    Action("run.slower", "minus,underscore", "slower", "Go slower.").also(
+        symbol="−", entry=_NO_ENTRY, aliases="speed"
+    ),
     Action("until.choose", "u", "until…", "Choose when to stop: reward, new policy, value …").also(
-        rank=13, needs_world=True, takes_steps=True
+        rank=13, aliases="skip jump", needs_world=True, takes_steps=True
     ),
     Action("view.enter_world", "up,down,k,j", "cursor", "Move a cursor in the world.").also(
         symbol="↑ ↓", unfocused=True
@@ -98,9 +104,11 @@ _RUN: Final[tuple[Action, ...]] = (
         )
         for number, ordinal in enumerate(ORDINALS, start=1)
     ),
-    Action("view.next_layer", "v", "view", "Show another view of world and table.", rank=4, aliases="layer"),
+    Action("view.next_layer", "v", "view", "Show another view of world and table.").also(
+        rank=4, aliases="layer heatmap error visits"
+    ),
     Action("view.zoom", "f", "full screen", "Show only the panel in focus, or all again.").also(
-        rank=14, aliases="zoom projector kiosk big", keeps_page=True
+        rank=14, aliases="fullscreen zoom projector kiosk big", keeps_page=True
     ),
     Action("manual.toggle", "y", "you act", "Take the agent's steps yourself.").also(
         rank=15,
@@ -122,7 +130,8 @@ _AGENT: Final[tuple[Action, ...]] = (
     ),
     Action("agent.show_options", "a o", "settings…", "Show and change every setting.").also(
         old="o",
-        aliases="alpha gamma epsilon lambda tau discount exploration hyperparameters parameters options",
+        aliases="alpha gamma epsilon lambda tau discount exploration hyperparameters parameters "
+        "options config preferences",
         not_for_program=DECIDES,
     ),
     *(
@@ -155,7 +164,7 @@ _WORLD: Final[tuple[Action, ...]] = (
 
 _SIGHT: Final[tuple[Action, ...]] = (
     Action("view.hide_answer", "w h", "exact values", "Hide or show the exact values.").also(
-        aliases="answer optimal", shows=("answer",), keeps_page=True
+        aliases="answer optimal solve solution cheat", shows=("answer",), keeps_page=True
     ),
     Action("view.turn_actions", "w a", "Q cells", "Show all Q in the cells, or only V.", old="V"),
     Action("view.numbers", "w n", "numbers", "Number the states in the cells.", old="number_sign"),
@@ -188,7 +197,9 @@ _TOOLS: Final[tuple[Action, ...]] = (
         shows=("why",),
         keeps_page=True,
     ),
-    Action("until.toggle_breakpoint", "t b", "breakpoint", "Set or clear a stopping point at the cursor."),
+    Action(
+        "until.toggle_breakpoint", "t b", "breakpoint", "Set or clear a stopping point at the cursor."
+    ).also(aliases="debug"),
     Action("until.clear_breakpoints", "t n", "no breakpoints", "Clear all breakpoints.").also(
         old="K", old_only_tells=True
     ),
@@ -221,7 +232,8 @@ _COMPARE: Final[tuple[Action, ...]] = (
 _MORE: Final[tuple[Action, ...]] = (
     Action("time.go_to", "m g", "go to…", "Go to a step or an episode.", old="g"),
     Action("time.show_branches", "m b", "branches…", "Show the branches and their changes.").also(
-        aliases="journal", not_for_program="your program has one branch. b and B: go back in it"
+        aliases="journal history log undo redo changes",
+        not_for_program="your program has one branch. b and B: go back in it",
     ),
     Action("run.watch", "m w", "watch it", "Run fast, and slow down when something is learned.").also(
         old="W",
@@ -237,13 +249,14 @@ _MORE: Final[tuple[Action, ...]] = (
     ),
     Action("export.choose", "m x", "export…", "Write a command, a script, tables or a picture.").also(
         old="x",
+        aliases="screenshot image svg csv python code share copy print plot chart graph",
         shows=("answer",),
         keeps_page=True,
         for_the_owner=True,
         not_for_program="this is for built-in agents. Your program is in {file}",
     ),
     Action("panels.turn", "m p", "panels", "Show all panels, or only those that matter now.").also(
-        rank=4, is_first=True
+        rank=4, is_first=True, aliases="layout"
     ),
     Action("view.turn_legends", "m l", "legends", "Hide or show the legends of panels.", old="L"),
     Action("theme", "m c", "colours…", "Choose the colours.").also(
@@ -253,7 +266,7 @@ _MORE: Final[tuple[Action, ...]] = (
 
 _AGAIN: Final[tuple[Action, ...]] = (
     Action("run.reset", "r r", "the same", "Start again with the current settings and the same seed.").also(
-        aliases="restart reset clear"
+        aliases="restart reset clear new"
     ),
     Action(
         "agent.next_seed", "r n", "next seed", "Start again with the next seed.", not_for_program=_ITS_SEED

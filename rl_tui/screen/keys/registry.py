@@ -63,17 +63,22 @@ _MENUS: Final = tuple(
 )
 
 _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
-    Action("back", "escape", "back", "Close what is open, or leave.").also(
+    Action("back", "escape", "back", "Close what is open, or go back to the list.").also(
         group=Group.PROGRAM,
         symbol="esc",
         command="leaving.back",
         keeps_page=True,
         rank=18,
-        aliases="menu list",
+        aliases="menu list close load environment level lessons tutorial sessions",
         leaves=True,
     ),
     Action("help", "question_mark", "keys", "Show all keys, or explain the word you point at.").also(
-        group=Group.PROGRAM, place=Place.EVERY, symbol="?", rank=-1, is_first=True
+        group=Group.PROGRAM,
+        place=Place.EVERY,
+        symbol="?",
+        rank=-1,
+        is_first=True,
+        aliases="help manual shortcuts glossary",
     ),
     Action("find", "slash,ctrl+p", "find", "Find anything by its name.").also(
         group=Group.PROGRAM,
