@@ -153,9 +153,9 @@ async def test_the_table_of_the_runs_controls_one_puts_one_beside_it_or_ends_one
         assert not pilot.app.screen.query(OptionList)
         await pilot.press("c", "c", "3")
         assert sent[1:] == [ChooseLane(2)]
-        await pilot.press("c", "c", "down", "delete")
+        await pilot.press("c", "c", "down", "delete", "enter")
         assert sent[2:] == [DropLane(2)]
-        await pilot.press("c", "c", "up", "backspace")
+        await pilot.press("c", "c", "up", "backspace", "enter")
         assert sent[3:] == [DropLane(0)]
         await pilot.press("c", "c", "space")
         about = pilot.app.screen.query_one("#about", Static)
@@ -218,17 +218,20 @@ async def test_in_a_narrow_terminal_each_run_keeps_to_its_row_and_four_are_the_m
         assert "softmax, τ 0.3" in rows(pilot)[4]
 
 
-async def test_the_menu_and_the_message_name_the_run_that_ends(
+async def test_the_menu_and_the_question_name_the_run_that_would_end(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
-        await beside(pilot, 2, monkeypatch)
+        sent = await beside(pilot, 2, monkeypatch)
         group = snapshot(pilot).run_group
         number, name = group.shown + 1, group.lanes[group.shown].name
         await pilot.press("c")
         assert f"end run {number}: {name}" in " ".join(screen_text(pilot.app).split())
         await pilot.press("e")
-        assert notes(pilot.app)[-1] == f"Run {number} has ended: {name}."
+        assert f"End run {number}?" in screen_text(pilot.app)
+        assert f"{name}: its " in screen_text(pilot.app)
+        await pilot.press("escape")
+        assert sent == []
 
 
 async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,7 +50,7 @@ async def test_a_branch_becomes_a_lane_from_the_journal_and_from_compare(make_ap
             assert first.name.startswith("branch 2: ε 0.11 from step ")
             assert second.name == "branch 1"
             assert "branch 1" in curve_text(pilot)
-            await press(pilot, "c", "c", "down", "delete")
+            await press(pilot, "c", "c", "down", "delete", "enter")
             assert snapshot(pilot).run_group.lanes == ()
 
 
@@ -92,7 +92,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert shown.run_group.lanes[1].hyperparameters.alpha == shown.agent.hyperparameters.alpha != 0.5
         pilot.app.set_focus(None)
 
-        await press(pilot, "c", "c", "delete")  # the cursor starts on the visible run
+        await press(pilot, "c", "c", "delete", "enter")  # the cursor starts on the visible run
         shown = snapshot(pilot)
         assert shown.run_group.lanes == ()
         assert shown.agent.hyperparameters.alpha == 0.1
@@ -132,7 +132,7 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
         assert [lane.hyperparameters.alpha for lane in snapshot(pilot).run_group.lanes] == [0.1, 0.1, 0.1]
         await press(pilot, "c", "l", "a", "t")
         assert [lane.hyperparameters.ties for lane in snapshot(pilot).run_group.lanes] == ["random"] * 3
-        await press(pilot, "c", "c", "up", "delete")  # the one before the visible run
+        await press(pilot, "c", "c", "up", "delete", "enter")  # the one before the visible run
         shown = snapshot(pilot)
         assert (len(shown.run_group.lanes), shown.run_group.shown) == (2, 1)
         await press(pilot, "c", "l")

@@ -150,7 +150,7 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert board.table is right_table
         assert (left.region, right.region) == places
 
-        await press(pilot, "c", "c", "delete")  # the cursor starts on the controlled run
+        await press(pilot, "c", "c", "delete", "enter")  # the cursor starts on the controlled run
         assert snapshot(pilot).run_group.lanes == ()
         assert not board.is_paired
         assert board.world is left

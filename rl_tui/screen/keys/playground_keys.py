@@ -226,7 +226,7 @@ _COMPARE: Final[tuple[Action, ...]] = (
         old="l", not_for_program="keys control your program here. c o: one run, or two"
     ),
     Action("lanes.one_lane", "c o", "one run", "Show one run, or two side by side.", old="z"),
-    Action("lanes.end", "c e", "end run", "End the run that you control."),
+    Action("lanes.end", "c e", "end run", "End the run that you control, after asking."),
 )
 
 _MORE: Final[tuple[Action, ...]] = (

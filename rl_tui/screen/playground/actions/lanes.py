@@ -7,6 +7,7 @@ from typing import Final
 
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.common.errors import UserError
+from rl_tui.common.words import counted
 from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, DropLane
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import SEED_DRAWS_WORLD, SwitchAlgorithm
@@ -24,6 +25,7 @@ from rl_tui.screen.dialogs.compare_lanes import (
     lane_changes,
     setting_choice,
 )
+from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.dialogs.form import Form
 
 ONE_RUN: Final = "only one run is open. c a: add another"
@@ -92,11 +94,9 @@ class LaneActions(Subject):
             self.ask(choice, lambda branch: self.link.send(AddBranch(int(branch))))
 
     def end(self) -> None:
-        """End the controlled run."""
+        """End the controlled run, after a confirmation."""
         if self.snapshot is not None:
-            group = self.snapshot.run_group
-            self.screen.tell(f"Run {group.shown + 1} has ended: {group.lanes[group.shown].name}.")
-            self._drop_lane(group.shown)
+            self._ask_to_end(self.snapshot.run_group.shown)
 
     def next_lane(self) -> None:
         """Control the next run."""
@@ -116,7 +116,7 @@ class LaneActions(Subject):
         if isinstance(answer, ChooseLane):
             self._show_lane(answer.lane)
         elif isinstance(answer, DropLane):
-            self._drop_lane(answer.lane)
+            self._ask_to_end(answer.lane)
         else:
             self.link.send(answer)
 
@@ -125,6 +125,13 @@ class LaneActions(Subject):
         if snapshot is not None and snapshot.run_group.shown != lane:
             self.link.wanted.take_over(snapshot.run_group.lanes[lane])
             self.link.send(ChooseLane(lane))
+
+    def _ask_to_end(self, lane: int) -> None:
+        if self.snapshot is not None:
+            run = self.snapshot.run_group.lanes[lane]
+            question = f"{run.name}: its {counted(run.step, 'step')} cannot be brought back."
+            title = f"End run {lane + 1}?"
+            self.ask(Confirm(title, question, "end it", self.glyphs), lambda _: self._drop_lane(lane))
 
     def _drop_lane(self, lane: int) -> None:
         snapshot = self.snapshot
