@@ -155,6 +155,24 @@ async def test_the_third_door_names_the_newest_session_and_goes_on_with_it(
         assert step(pilot) == 9
 
 
+async def test_a_world_with_a_session_says_so_and_enter_begins_a_new_run_beside_it(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    kept = write(tmp_path, "a.json", order=1).read_bytes()
+    async with on_screen(app_with_sessions()) as pilot:
+        await tap(pilot, "tab")
+        assert "resume" not in details(pilot)
+        await tap(pilot, "down")
+        assert "enter: new run · tab: resume it" in details(pilot)
+        await pilot.press("enter")
+        await settle(pilot)
+        await tap(pilot, "s")
+        await settle(pilot)
+        assert step(pilot) == 1
+    assert (tmp_path / "a.json").read_bytes() == kept
+    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [1, 7]
+
+
 async def test_the_filter_counts_lists_and_resumes_sessions(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from rich.console import RenderableType
+from rich.console import Group, RenderableType
 from textual.containers import Container, Vertical, VerticalScroll
 from textual.message import Message
 from textual.timer import Timer
@@ -18,7 +18,7 @@ from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.live.sessions.session import SessionError, StoredSession
 from rl_tui.screen.catalogue.facts import Prose, blocks_of, faults_text, size_line
 from rl_tui.screen.catalogue.scenario_list import Heading, Hit
-from rl_tui.screen.catalogue.session_text import own_sessions_text, session_facts
+from rl_tui.screen.catalogue.session_text import kept_line, own_sessions_text, session_facts
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
@@ -86,7 +86,8 @@ class Details(VerticalScroll):
         self._stage.display = isinstance(entry, Scenario)
         now = datetime.now(UTC)
         if isinstance(entry, Scenario):
-            self._tell(entry.title, size_line(world, self._look))
+            size, kept = size_line(world, self._look), kept_line(len(sessions), self._look)
+            self._tell(entry.title, Group(size, kept) if sessions else size)
             self._prose.show(blocks_of(entry, lessons))
             self._own_sessions.display = bool(sessions) and self._has_room
             self._own_sessions.update(own_sessions_text(sessions, now, self._look))

@@ -162,9 +162,15 @@ def _how_long(session: StoredSession) -> str:
     return "Saved automatically. The newest 50 are kept. m s names it and keeps it."
 
 
+def kept_line(count: int, look: Look) -> Text:
+    """Return which key resumes one of ``count`` sessions, and which begins another."""
+    text = f"enter: new run · tab: resume {'it' if count == 1 else f'one of {count}'}"
+    return Text(look.glyphs.separated(text), look.palette.press, no_wrap=True, overflow="crop")
+
+
 def own_sessions_text(sessions: Sequence[StoredSession], now: datetime, look: Look) -> RenderableType:
     """Return a heading, and a line per session."""
-    lines = [Text("Sessions (tab)", look.palette.strong)]
+    lines = [Text("Sessions", look.palette.strong)]
     for session in sessions[:_MOST_OWN]:
         age = short_age(now - session.saved, session.saved)
         line = f"{age:<6} step {numbers.count(session.step, 7)} · {algorithm_name(session.algorithm)}"
