@@ -263,7 +263,6 @@ def test_a_moment_may_be_written_in_many_ways(text: str, command: GoTo) -> None:
     [
         ("", "type a step number, a percentage, start or end"),
         ("x", "type a step number, a percentage, start or end"),
-        ("-1", "type a step number, a percentage, start or end"),
         ("1.5", "type a step number, a percentage, start or end"),
         ("1,2", "type a step number, a percentage, start or end"),
         ("٣", "type a step number, a percentage, start or end"),
@@ -280,6 +279,13 @@ def test_what_is_wrong_is_told(text: str, fault: str) -> None:
         parse_goto(text, lake(timeline=here(10_000), episodes=12_500, episode_step=5))
 
 
+@pytest.mark.parametrize(
+    ("text", "step"), [("-50", 350), ("− 1", 399), ("+50", 450), ("-1,000", 0), ("+100", 500)]
+)
+def test_a_sign_counts_from_the_step_in_view(text: str, step: int) -> None:
+    assert parse_goto(text, lake(timeline=here(500, 400))) == GoTo(step)
+
+
 def test_in_the_past_nobody_knows_how_many_episodes_there_were() -> None:
     assert parse_goto("e12502", lake(timeline=here(10_000, 5_000))) == GoTo(episode=12_502)
 
@@ -287,9 +293,12 @@ def test_in_the_past_nobody_knows_how_many_episodes_there_were() -> None:
 @pytest.mark.parametrize(
     ("snapshot", "hint"),
     [
-        (lake(timeline=here(10_000)), "a step from 0 to 10,000, e12 for episode 12, 50%, start or end"),
-        (planning(timeline=here(132)), "a step from 0 to 132, sweep 12, 50%, start or end"),
-        (bandit(400, timeline=here(400)), "a pull from 0 to 400, 50%, start or end"),
+        (
+            lake(timeline=here(10_000)),
+            "a step from 0 to 10,000, e12 for episode 12, -50 for 50 back, 50%, start or end",
+        ),
+        (planning(timeline=here(132)), "a step from 0 to 132, sweep 12, -50 for 50 back, 50%, start or end"),
+        (bandit(400, timeline=here(400)), "a pull from 0 to 400, -50 for 50 back, 50%, start or end"),
     ],
 )
 def test_the_prompt_names_the_range(snapshot: Snapshot, hint: str) -> None:

@@ -234,11 +234,12 @@ def _called(recipe: Recipe, change: Setting) -> str:
 
 
 _GO_ON: Final = "esc, then space goes on from there"
+_OFFSETS: Final = {"+": 1, "-": -1}
 _STEPS: Final = ("", "step", "steps", "pull", "pulls")  # a pull is a step
 _EPISODES: Final = ("e", "ep", "episode", "episodes", "sweep", "sweeps")
 _NUMBER: Final = r"\d{1,18}|\d{1,3}(?:,\d{3}){1,5}"
 _SHARE: Final = re.compile(r"(\d{1,18}(?:\.\d+)?)\s*%", re.ASCII)
-_MOMENT: Final = re.compile(rf"([a-z]*)\s*({_NUMBER})", re.ASCII)
+_MOMENT: Final = re.compile(rf"([a-z]*|[+-])\s*({_NUMBER})", re.ASCII)
 
 
 BRANCHES: Final = "branches"
@@ -291,7 +292,7 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
         ValueError: It is not a moment of the run.
     """
     end = snapshot.timeline.current.end
-    text = text.strip().lower()
+    text = text.strip().lower().replace("−", "-")
     if text in ("start", "end"):
         return GoTo(0 if text == "start" else end)
     share = _SHARE.fullmatch(text)
@@ -300,11 +301,13 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
             raise ValueError("type a percentage from 0% to 100%")
         return GoTo(round(end * float(share[1]) / 100.0))
     moment = _MOMENT.fullmatch(text)
-    if not moment or moment[1] not in _STEPS + _EPISODES:
+    if not moment or moment[1] not in (*_OFFSETS, *_STEPS, *_EPISODES):
         raise ValueError("type a step number, a percentage, start or end")
     number = int(moment[2].replace(",", ""))
     if moment[1] in _EPISODES:
         return _episode(number, snapshot)
+    if moment[1] in _OFFSETS:
+        number = max(0, snapshot.timeline.current.here + _OFFSETS[moment[1]] * number)
     if number > end:
         raise ValueError(f"the run has reached step {end:,} so far; {_GO_ON}")
     return GoTo(number)
@@ -333,4 +336,4 @@ def _expected(snapshot: Snapshot) -> str:
         first = f"a pull from 0 to {end:,}"
     else:
         first = f"a step from 0 to {end:,}, e12 for episode 12"
-    return f"{first}, 50%, start or end"
+    return f"{first}, -50 for 50 back, 50%, start or end"
