@@ -11,7 +11,6 @@ from rl_tui.common.findings import command_line, one_line
 from rl_tui.programs.diagnosis.exploration import exploration_of
 from rl_tui.programs.diagnosis.faults.cells import (
     FEWEST_STEPS,
-    CodePlace,
     Proof,
     proof_of_cell,
     proof_of_sharing,
@@ -220,15 +219,7 @@ def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
 
 
 def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
-    match proof.place:
-        case CodePlace.UPDATE:
-            line = code.update_line()
-        case CodePlace.TABLE:
-            line = code.table_line()
-        case CodePlace.CHOICE:
-            line = code.choice_line()
-        case CodePlace.CALL:
-            line = code.call_line()
+    line = proof.place(code)
     return CodeFinding(
         proof.fault,
         proof.certainty,

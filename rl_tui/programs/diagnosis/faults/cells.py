@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import Enum, auto
 from typing import Final, Literal
 
 import numpy as np
 
 from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.code_places import CodeLine, ProgramCode
 from rl_tui.programs.evidence.evidence import NO_ACTION, Evidence
 from rl_tui.programs.evidence.verdict import RISKS, CodeFault, UpdateTarget, step_number
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
@@ -23,24 +24,12 @@ MOST_STEPS: Final = 50_000
 _SHARE_OF_OTHERS: Final = 0.05
 
 
-class CodePlace(Enum):
-    """The line of code to which a fault belongs."""
-
-    UPDATE = auto()
-    """The line that changes the table."""
-    TABLE = auto()
-    """The line that makes the table."""
-    CHOICE = auto()
-    """The line that chooses the action."""
-    CALL = auto()
-    """The call of `env.step`."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
     """The form of every proved bug. `steps` support it, oldest first.
 
-    `against` counts opposing steps (0 for a fault), `neither` those with another result.
+    `against` counts opposing steps (0 for a fault), `neither` those with another result. `place` returns the
+    line to which the bug belongs.
     """
 
     fault: CodeFault
@@ -48,7 +37,7 @@ class Proof:
     against: int
     text: str
     correction: str
-    place: CodePlace = CodePlace.UPDATE
+    place: Callable[[ProgramCode], CodeLine | None] = ProgramCode.update_line
     certainty: Literal["proven", "declared"] = "proven"
     neither: int = 0
 
@@ -279,5 +268,5 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
         f"Rows of the table are the same object. At {step_text(step[first])} states {one} and {other} got "
         f"the same new value. Only one of them should change.",
         f"create a separate row for each state: {names.table} = {names.rows(actions)}",
-        CodePlace.TABLE,
+        ProgramCode.table_line,
     )

@@ -13,8 +13,9 @@ from rl_tui.agents.exact.first_update import first_wait
 from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
-from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof, step_text
+from rl_tui.programs.diagnosis.faults.cells import Proof, step_text
 from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.code_places import ProgramCode
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault
 from rl_tui.programs.watched.program_log import ProgramLog
@@ -86,7 +87,7 @@ def _proof(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) 
             f"All {len(chosen):,} actions were action {favourite}. {without}",
             f"take a random action with probability ε, otherwise one of the best: {names.action} = "
             f"random.randrange({evidence.actions})",
-            CodePlace.CHOICE,
+            ProgramCode.choice_line,
         )
     return Proof(
         CodeFault.FIRST_OF_TIES,
@@ -95,7 +96,7 @@ def _proof(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) 
         f"{len(chosen):,} of {len(evidence):,} choices between equal values were action "
         f"{favourite}. {without}",
         f"choose at random among the best actions: {names.random_tie()}",
-        CodePlace.CHOICE,
+        ProgramCode.choice_line,
     )
 
 
@@ -129,5 +130,5 @@ def proof_of_steps_after_end(evidence: Evidence, log: ProgramLog, names: CodeNam
         f"{step_text(steps[0])} was taken there without a reset. Such a step has no meaning.",
         f"begin the next episode when {names.terminated} or truncated is true: "
         f"{names.state}, info = {names.environment}.reset()",
-        CodePlace.CALL,
+        ProgramCode.call_line,
     )

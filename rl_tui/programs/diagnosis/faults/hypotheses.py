@@ -10,9 +10,10 @@ from typing import Final, Literal
 
 import numpy as np
 
-from rl_tui.programs.diagnosis.faults.cells import MOST_STEPS, CodePlace, Proof, some_of, step_text, written
+from rl_tui.programs.diagnosis.faults.cells import MOST_STEPS, Proof, some_of, step_text, written
 from rl_tui.programs.diagnosis.faults.predictions import Predictions
 from rl_tui.programs.evidence.code_names import DISCOUNT, CodeNames
+from rl_tui.programs.evidence.code_places import CodeLine, ProgramCode
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
@@ -133,7 +134,7 @@ class Hypothesis:
     right: Callable[[Tested], FloatArray]
     text: Callable[[Tested, int], str]
     correction: Callable[[Case], str]
-    place: CodePlace = CodePlace.UPDATE
+    place: Callable[[ProgramCode], CodeLine | None] = ProgramCode.update_line
     certainty: Literal["proven", "declared"] = "proven"
     most: int = MOST_STEPS
     shows: Callable[[Tested], BoolArray] | None = None
@@ -376,7 +377,7 @@ HYPOTHESES: Final = (
         correction=lambda case: (
             "also update after the last step of an episode, before you leave the loop: " + case.names.target()
         ),
-        place=CodePlace.CALL,
+        place=ProgramCode.call_line,
         any_other=True,  # whatever changed it, such a step has an update
     ),
     Hypothesis(

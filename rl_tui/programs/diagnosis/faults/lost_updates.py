@@ -9,7 +9,6 @@ import numpy as np
 
 from rl_tui.programs.diagnosis.faults.cells import (
     FEWEST_STEPS,
-    CodePlace,
     Proof,
     some_of,
     step_text,
@@ -55,7 +54,7 @@ def proof_of_rounding(
         0,
         f"The table holds {dtype}. {text}",
         f"create a table of floats: {names.table} = np.zeros((number of states, number of actions))",
-        CodePlace.TABLE,
+        ProgramCode.table_line,
     )
 
 
@@ -116,7 +115,7 @@ def proof_of_no_update(
         f"{_reward_at(int(evidence.number[first]), evidence.reward[first])}, but no number of the table ever "
         "changed.",
         _fix(evidence, at, names, code),
-        CodePlace.CALL,
+        ProgramCode.call_line,
     )
 
 
@@ -154,7 +153,7 @@ def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
         0,
         f"{_reward_at(int(at[0]) + first, steps.reward[at[0]])}, but no estimate was ever written.",
         "add the missing update: Q(S, A) ← Q(S, A) + α [R + γ max Q(S′, a) − Q(S, A)]",
-        CodePlace.CALL,
+        ProgramCode.call_line,
     )
 
 
