@@ -49,8 +49,7 @@ def test_greedy_episodes_of_a_converged_table_count(epsilon: float) -> None:
         learner = with_alpha(lambda _: 0.5)
         log = recorded(learner, seed, steps=8000, greedy=1.0 - epsilon, is_slippery=False)
         evidence = Evidence(log.recording)
-        update = update_of(evidence, {})
-        found = exploration_of(evidence, update, {})
+        found = exploration_of(evidence, update_of(evidence))
         assert found is not None
         hits += found.low <= epsilon <= found.high
     assert hits >= 17
@@ -59,8 +58,8 @@ def test_greedy_episodes_of_a_converged_table_count(epsilon: float) -> None:
 def test_evaluations_do_not_count() -> None:
     log = recorded(only_if(lambda step: step.episode % 2 == 0), steps=3000, greedy=0.7)
     evidence = Evidence(log.recording)
-    found = exploration_of(evidence, update_of(evidence, {}), {})
-    whole = exploration_of(evidence, replace(update_of(evidence, {}), alpha=None, alpha_schedule=None), {})
+    found = exploration_of(evidence, update_of(evidence))
+    whole = exploration_of(evidence, replace(update_of(evidence), alpha=None, alpha_schedule=None))
     assert found is not None
     assert found.low <= 0.3 <= found.high
     assert whole is None  # an evaluation looks like a converged episode
@@ -68,15 +67,15 @@ def test_evaluations_do_not_count() -> None:
 
 def test_few_choices_and_allowed_actions_give_no_estimate() -> None:
     evidence = Evidence(acting(0.3, steps=80).recording)
-    assert exploration_of(evidence, UpdateFound(), {}) is None
+    assert exploration_of(evidence, UpdateFound()) is None
     evidence = Evidence(acting(0.3).recording)
-    assert exploration_of(evidence, UpdateFound(), {}) is not None
-    assert exploration_of(evidence, UpdateFound(target=UpdateTarget.ALLOWED), {}) is None
+    assert exploration_of(evidence, UpdateFound()) is not None
+    assert exploration_of(evidence, UpdateFound(target=UpdateTarget.ALLOWED)) is None
 
 
 def test_equal_values_have_no_best_action() -> None:
     log = recorded(lambda table, step: None, initial="zeros")
-    assert exploration_of(Evidence(log.recording), UpdateFound(), {}) is None
+    assert exploration_of(Evidence(log.recording), UpdateFound()) is None
 
 
 def test_the_line_needs_an_epsilon_in_the_code() -> None:

@@ -24,7 +24,7 @@ from rl_tui.programs.evidence.verdict import (
 )
 from rl_tui.programs.grading.watch_report import finding_as_json
 from rl_tui.programs.watched.messages import StepFlag
-from rl_tui.programs.watched.program_log import FoundTable, ProgramEnvironment, ProgramLog
+from rl_tui.programs.watched.program_log import FoundTable, ProgramAgent, ProgramEnvironment, ProgramLog
 from rl_tui.programs.watched.recording import Recording
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -151,8 +151,9 @@ FAULTY = {
 }
 
 
-def found(log: ProgramLog, update: UpdateFound, *, done_is_either: bool = False) -> tuple[CodeFinding, ...]:
-    return findings_of(Evidence(log.recording), update, log, done_is_either=done_is_either)[0]
+def found(log: ProgramLog, update: UpdateFound) -> tuple[CodeFinding, ...]:
+    assert log.table is not None
+    return findings_of(Evidence(log.recording, log.numbers, log.table.dtype), update, log)[0]
 
 
 @pytest.mark.exhaustive("other random worlds", but=[f"{name}-0" for name in FAULTY])
@@ -214,7 +215,8 @@ def test_a_fault_is_told_also_where_the_step_size_falls(schedule: str) -> None:
 
 def test_one_flag_for_both_ends_is_no_fault_of_the_agent() -> None:
     log = recorded(done_is_done)
-    assert found(log, Q_LEARNING, done_is_either=True) == ()
+    log.agent = ProgramAgent("Agent", "udacity", done_is_either=True)
+    assert found(log, Q_LEARNING) == ()
 
 
 def test_two_steps_are_not_enough() -> None:

@@ -103,14 +103,13 @@ def test_the_line_that_leaves_the_loop_before_the_update_is_named(tmp_path: Path
 @pytest.mark.parametrize(("rewards", "by_column"), [((-1.0, -2.0), True), ((1.0, 2.0), False)])
 def test_a_discount_that_moves_nothing_is_told(rewards: tuple[float, ...], by_column: bool) -> None:
     log = recorded(without_next, initial="zeros", rewards=rewards, steps=12)
-    evidence, numbers = Evidence(log.recording), {"agent.gamma": 0.95, "alpha": ALPHA}
-    [note, *_] = notes_on(evidence, UpdateFound(gamma=0.0), "float64", numbers)
+    update, numbers = UpdateFound(gamma=0.0), {"agent.gamma": 0.95, "alpha": ALPHA}
+    [note, *_] = notes_on(Evidence(log.recording, numbers), update)
     assert f"{MOVES_WITHOUT_GAMMA}, but `agent.gamma` in your code is 0.95" in note
     assert ("state. A maximum over states instead of actions, as in max(Q[:, a])" in note) == by_column
     for without in ({}, {"gamma": 0.0}):
-        assert not any(
-            MOVES_WITHOUT_GAMMA in each for each in notes_on(evidence, UpdateFound(gamma=0.0), "", without)
-        )
+        notes = notes_on(Evidence(log.recording, without), update)
+        assert not any(MOVES_WITHOUT_GAMMA in each for each in notes)
     log = recorded(without_next, initial="zeros")
     log.numbers |= numbers
     verdict = verdict_of(log)

@@ -16,7 +16,7 @@ from rl_tui.programs.watched.recording import Recording
 
 
 def stories(recording: Recording) -> list[StepUpdate]:
-    update = update_of(Evidence(recording), {})
+    update = update_of(Evidence(recording))
     return [update_of_step(recording, update, step) for step in range(500, 900)]
 
 
@@ -61,7 +61,7 @@ def test_of_q_learning_each_part_is_the_one_of_the_update() -> None:
 
 def test_a_step_that_departs_and_one_of_an_unknown_update_have_no_parts() -> None:
     recording = Made().recording(2000)
-    update = update_of(Evidence(recording), {})
+    update = update_of(Evidence(recording))
     at = int(np.flatnonzero(recording.changes.step == 1234)[0])
     recording.changes.after[at] += 0.5
     departed = update_of_step(recording, update, 1234)
@@ -73,7 +73,7 @@ def test_a_step_that_departs_and_one_of_an_unknown_update_have_no_parts() -> Non
 
 def test_the_newest_step_of_sarsa_is_explained_before_its_next_action_is_known() -> None:
     recording = Made(rule="sarsa").recording(2000)
-    update = update_of(Evidence(recording), {})
+    update = update_of(Evidence(recording))
     newest = len(recording.steps.state) - 1
     story = update_of_step(recording, update, newest, recording.table_at(newest))
     assert story.explained == bool(story.moved)

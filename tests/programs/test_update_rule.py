@@ -19,7 +19,7 @@ NAMES = {"q": Rule.Q_LEARNING, "sarsa": Rule.SARSA, "expected": Rule.EXPECTED_SA
 
 
 def found(steps: int = 2000, *, held_as: str = "", **made: Any) -> UpdateFound:
-    return update_of(Evidence(Made(**made).recording(steps)), {}, held_as)
+    return update_of(Evidence(Made(**made).recording(steps), dtype=held_as))
 
 
 @pytest.mark.exhaustive("60 worlds", but=["0", "1", "2", "3", "4", "5", "6", "7"])
@@ -90,7 +90,7 @@ def test_sample_averages_are_found_in_a_table_that_is_found_late() -> None:
     late.add(steps[:700], changes[:0])
     late.find_table(700, recording.actions, recording.table_at(700))
     late.add(steps[700:], changes[changes[:, 0] >= 700])
-    update = update_of(Evidence(late), {})
+    update = update_of(Evidence(late))
     assert (update.rule, update.alpha_schedule, update.gamma) == (Rule.Q_LEARNING, "1/N", 0.9)
 
 
@@ -155,7 +155,7 @@ def test_episodes_of_one_step_tell_the_step_size_and_no_discount() -> None:
         changes.append((number, cell, q[cell], after))
         q[cell] = after
     only_ends.add(np.array(steps, float), np.array(changes))
-    update = update_of(Evidence(only_ends), {})
+    update = update_of(Evidence(only_ends))
     assert (update.rule, update.alpha, update.gamma, update.informative) == (Rule.UNKNOWN, 0.1, None, 0)
 
 
@@ -165,13 +165,13 @@ def test_steps_that_all_say_the_same_tell_no_update() -> None:
     same.find_table(0, 2, np.ones(40))
     steps = [(0, place, 0, 0.0, place + 1, 0, 0, place) for place in range(18)]
     same.add(np.array(steps, float), np.array([(place, 2 * place, 1.0, 0.98) for place in range(18)]))
-    update = update_of(Evidence(same), {})
+    update = update_of(Evidence(same))
     assert (update.rule, update.alpha, update.gamma) == (Rule.UNKNOWN, None, None)
 
 
 def test_the_reward_before_is_0_at_first_where_the_program_has_it_so() -> None:
     recording = Made(rule="sarsa", reward_late=True, reward_before_at_first=0.0, time_limit=5).recording(4000)
-    update = update_of(Evidence(recording), {})
+    update = update_of(Evidence(recording))
     assert (update.rule, update.uses_reward_before, update.reward) == (Rule.SARSA, True, "environment")
     assert (update.gamma, update.fits) == (0.9, 1.0)
 
@@ -192,8 +192,8 @@ def test_a_table_that_counts_visits_is_none_of_values() -> None:
     def counts(table: FloatArray, step: Step) -> None:
         table[step.state, step.action] += 1.0
 
-    evidence = Evidence(recorded(counts, initial="zeros").recording)
-    assert update_of(evidence, {}, "float64").reason.startswith("Each step adds 1")
+    evidence = Evidence(recorded(counts, initial="zeros").recording, dtype="float64")
+    assert update_of(evidence).reason.startswith("Each step adds 1")
 
 
 def test_a_table_that_stays_as_it_is_says_so() -> None:
@@ -205,14 +205,14 @@ def test_the_first_step_that_departs_is_named() -> None:
     recording = Made().recording(3000)
     at = int(np.flatnonzero(recording.changes.step == 1234)[0])
     recording.changes.after[at] += 0.5
-    update = update_of(Evidence(recording), {})
+    update = update_of(Evidence(recording))
     assert (update.rule, update.departs_at) == (Rule.Q_LEARNING, 1234)
     assert 0.99 < (update.fits or 0) < 1
 
 
 def test_numbers_of_a_long_run_are_the_same_at_every_look() -> None:
     evidence = Evidence(Made(sparse=True, epsilon=0.3).recording(25_000))
-    first, second = update_of(evidence, {}), update_of(evidence, {})
+    first, second = update_of(evidence), update_of(evidence)
     assert first == second
     assert (first.rule, first.alpha, first.gamma, first.target) == (
         Rule.Q_LEARNING,
@@ -238,6 +238,6 @@ def test_rows_that_a_dict_makes_as_it_goes_are_no_changes() -> None:
     as_dict = Recording()
     as_dict.find_table(0, actions, np.full(len(begun), np.nan))
     as_dict.add(sent_steps, whole)
-    update = update_of(Evidence(as_dict), {})
+    update = update_of(Evidence(as_dict))
     assert (update.rule, update.alpha, update.gamma) == (Rule.Q_LEARNING, 0.1, 0.9)
     assert (update.fits or 0) > 0.99

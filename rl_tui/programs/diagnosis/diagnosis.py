@@ -68,16 +68,14 @@ def note_on_two_tables(evidence: Evidence, table: FoundTable) -> tuple[str, ...]
     return (f"{name} and {other} change in turn. Their mean is shown. {option} shows only {name}.",)
 
 
-def notes_on(
-    evidence: Evidence, update: UpdateFound, dtype: str, numbers: Mapping[str, float]
-) -> Iterator[str]:
+def notes_on(evidence: Evidence, update: UpdateFound) -> Iterator[str]:
     """Yield sentences about unknown facts."""
     if not evidence.changes.step.size:
         rewards = int(np.count_nonzero(evidence.reward))
         came = f"{rewards:,} rewards arrived" if rewards else "No reward arrived"
         yield f"{came}, and the table has not changed yet."
         return
-    discount = declared(numbers, DISCOUNTS)
+    discount = declared(evidence.numbers, DISCOUNTS)
     if update.gamma == 0.0 and discount is not None and discount[1] > 0.0:
         yield _without_discount(evidence, *discount)
     elif update.reason:
@@ -102,7 +100,7 @@ def notes_on(
         yield "The program uses its own reward, so the ends of episodes are not checked."
     if update.place is MovedCell.ONE_LATE:
         yield "Each update comes one step late."
-    if dtype.startswith("float16"):
+    if evidence.dtype.startswith("float16"):
         yield "The table has the type float16, so estimates have only three digits."
 
 
@@ -169,25 +167,22 @@ _HIDDEN_BY: Final = {
 
 
 def findings_of(
-    evidence: Evidence, update: UpdateFound, log: ProgramLog, *, done_is_either: bool = False
+    evidence: Evidence, update: UpdateFound, log: ProgramLog
 ) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
-    """Return findings about a program, and notes about unknown facts.
-
-    `done_is_either` is True if an agent gets one flag for terminal and truncated ends.
-    """
+    """Return findings about a program, and notes about unknown facts."""
     table = log.table
     if table is None or not len(evidence):
         return (), ()
     code = program_code(log)
     names = names_of(code, table, update, log.numbers)
     with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers diverge
-        predictions = by_the_environment(evidence, update, table.dtype)
+        predictions = by_the_environment(evidence, update)
         proofs = [
             proof_of_sharing(evidence, log.shared_at, names),
-            proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=code.always_writes),
+            proof_of_rounding(evidence, names, writes=code.always_writes),
             proof_of_no_update(evidence, names, code, is_over=log.ended),
             proof_of_cell(evidence, names, plans=code.reads_transitions),
-            proof_of_formula(evidence, update, log, names),
+            proof_of_formula(evidence, update, log.environments, names),
             proof_of_steps_after_end(evidence, log, names),
             proof_of_risk(evidence, log, names),
         ]
@@ -197,12 +192,11 @@ def findings_of(
                 predictions,
                 evidence.reward,
                 names,
-                log.numbers,
-                done_is_either=done_is_either,
+                done_is_either=log.agent is not None and log.agent.done_is_either,
                 may_be_own=code.sets_a_constant or is_other,
             )
             proofs += proofs_of(case)
-        notes = tuple(notes_on(evidence, predictions.update, table.dtype, log.numbers))
+        notes = tuple(notes_on(evidence, predictions.update))
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
     hidden = frozenset().union(*(_HIDDEN_BY.get(proof.fault, frozenset()) for proof in enough))
     findings = tuple(_finding(proof, code) for proof in enough if proof.fault not in hidden)
@@ -240,13 +234,12 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
     """Return the verdict, which claims only what steps prove."""
     if log.table is None or log.recording.initial is None:
         return ProgramVerdict(findings=findings_without_table(log))
-    is_either = log.agent is not None and log.agent.done_is_either
     with np.errstate(all="ignore"):  # a user's table may contain anything
-        evidence = Evidence(log.recording)
-        update = update_of(evidence, log.numbers, log.table.dtype)
-        findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
+        evidence = Evidence(log.recording, log.numbers, log.table.dtype)
+        update = update_of(evidence)
+        findings, notes = findings_of(evidence, update, log)
         code = program_code(log)
         risk = risk_of_choices(evidence, log, names_of(code, log.table, update, log.numbers))
-        exploration = exploration_of(evidence, update, log.numbers, log.table.dtype)
+        exploration = exploration_of(evidence, update)
     suspected = None if risk is None else SuspectedRisk(_finding(risk.proof, code), risk.luck)
     return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)), suspected, exploration)

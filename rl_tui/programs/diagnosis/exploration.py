@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -20,9 +19,7 @@ _MOST_EXAMINED: Final = 6_000
 _FEWEST: Final = 100
 
 
-def exploration_of(
-    evidence: Evidence, update: UpdateFound, numbers: Mapping[str, float], dtype: str = ""
-) -> ExplorationFound | None:
+def exploration_of(evidence: Evidence, update: UpdateFound) -> ExplorationFound | None:
     """Estimate ε from the latest choices in states with one best action, or return None.
 
     A random action is the best one with probability 1/A, so ε is the share of other actions, times A/(A − 1).
@@ -38,7 +35,7 @@ def exploration_of(
     at, rows = _clear(evidence, np.arange(last + 1)[-_MOST_EXAMINED:])
     without = ~evidence.learns[at]
     if without.any():
-        evaluations = _evaluations(evidence, update, dtype)
+        evaluations = _evaluations(evidence, update)
         if evaluations is None:
             return None
         is_evaluation = np.isin(evidence.episode[at], evaluations)
@@ -55,7 +52,7 @@ def exploration_of(
     factor = actions / (actions - 1)
     shares = (others / len(at), *share_interval(others, len(at)))
     epsilon, low, high = (min(1.0, factor * share) for share in shares)
-    name, written = declared(numbers, EPSILONS) or ("", None)
+    name, written = declared(evidence.numbers, EPSILONS) or ("", None)
     return ExplorationFound(epsilon, low, high, len(at), name, written)
 
 
@@ -70,9 +67,9 @@ def _clear(evidence: Evidence, at: IntArray) -> tuple[IntArray, FloatArray]:
     return at[is_clear], rows[is_clear]
 
 
-def _evaluations(evidence: Evidence, update: UpdateFound, dtype: str) -> IntArray | None:
+def _evaluations(evidence: Evidence, update: UpdateFound) -> IntArray | None:
     """Return the episodes in which the update would change the table, but nothing changed, or None."""
-    predictions = Predictions(evidence, update, dtype)
+    predictions = Predictions(evidence, update)
     if not predictions.is_known or update.reward == "own":
         return None
     readings = predictions.readings(np.flatnonzero(~evidence.learns))

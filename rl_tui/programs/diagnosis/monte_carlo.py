@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import Final
 
@@ -26,17 +25,16 @@ _LEAST: Final = 1e-7
 """Least change relative to the estimate that determines a number of returns."""
 
 
-def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound | None:
+def monte_carlo_update(evidence: Evidence) -> UpdateFound | None:
     """Return the Monte Carlo update, if returns prove it."""
     moved = evidence.changes_of > 0
-    ends = evidence.terminated | evidence.truncated
-    if not np.any(moved) or np.mean(ends[moved]) < AT_ENDS:
+    if not np.any(moved) or np.mean(evidence.ends[moved]) < AT_ENDS:
         return None
     used = evidence.learns & (np.arange(len(evidence)) < _MOST_STEPS)
     episodes = _Episodes(evidence, np.flatnonzero(used))
     if np.sum(episodes.once) < FEWEST or episodes.inside < AT_ENDS:
         return None
-    named = [each for each in numbers.values() if 0.0 < each <= 1.0]
+    named = [each for each in evidence.numbers.values() if 0.0 < each <= 1.0]
     found = [(gamma, episodes.step_size(gamma)) for gamma in dict.fromkeys((*named, *_USUAL))]
     held = [(gamma, size) for gamma, size in found if size is not None]
     if not held:
@@ -45,7 +43,7 @@ def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> Upda
     gamma, size = held[0]
     return UpdateFound(
         Rule.MONTE_CARLO,
-        alpha=None if size == 0.0 else plainest(size, numbers, evidence.precision),
+        alpha=None if size == 0.0 else plainest(size, evidence),
         alpha_schedule="1/N" if size == 0.0 else "constant",
         gamma=gamma if len(held) == 1 else None,
         fits=episodes.inside,

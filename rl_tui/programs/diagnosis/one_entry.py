@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -17,7 +16,7 @@ _CLEARLY: Final = 3
 """Two estimates are distinct if they move the cell by this multiple of the tolerance."""
 
 
-def one_entry_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
+def one_entry_trial(sample: Sample) -> Trial | None:
     """Return the trial in which every inner step reads one estimate of the next state.
 
     The actions are allowed ones if no state contradicts that: an action with a higher estimate is then
@@ -26,7 +25,7 @@ def one_entry_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | Non
     if sample.evidence.precision > EXACT:
         return None  # close estimates would look equal
     for target in (UpdateTarget.BEST, UpdateTarget.NEXT_ACTION):
-        first = constant_trial(sample, target, sample.reward, numbers)
+        first = constant_trial(sample, target, sample.reward)
         if first is None or not first.alpha or first.gamma <= 0.0:
             continue
         trial = replace(first, target=UpdateTarget.DRAWN, value=_nearest(first))

@@ -142,6 +142,17 @@ class Sample(ReadEstimates):
         """Change of the cell, `[n]`."""
         return self.new - self.old
 
+    @property
+    def unit(self) -> FloatArray:
+        """Part of the change for each α without a next value, `[n]`."""
+        unit: FloatArray = self.reward - self.old
+        return unit
+
+    @property
+    def digits(self) -> int:
+        """Significant digits of numbers solved from single steps."""
+        return 6 if self.evidence.precision < EXACT else 3
+
     @cached_property
     def slack(self) -> FloatArray:
         """Tolerance of predictions, `[n]`."""
@@ -162,6 +173,10 @@ class Sample(ReadEstimates):
         """Return the value that `target` reads, `[n]`, NaN if it is one of several, or not computed."""
         values = self.values(target)
         return np.where((values == values[:, :1]).all(1), values[:, 0], np.nan)
+
+    def next_value(self, target: UpdateTarget) -> FloatArray:
+        """Return the same, but 0 at an end."""
+        return np.where(self.ended, 0.0, self.value(target))
 
     def _with_column(self) -> IntArray:
         return np.flatnonzero(self.change)[: max(50, _MOST_CELLS_OF_A_SAMPLE // max(self.evidence.states, 1))]

@@ -5,7 +5,7 @@ The numbers of an update are solved from a few steps at a time. The true ones oc
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.programs.diagnosis.sample import EXACT, Sample
-from rl_tui.programs.evidence.evidence import order_by
+from rl_tui.programs.evidence.evidence import Evidence, order_by
 from rl_tui.programs.evidence.verdict import AlphaSchedule, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
@@ -102,15 +102,16 @@ def refined(
     return [float(each) for each in answer / size] if rank == matrix.shape[1] else None
 
 
-def plainest(number: float, numbers: Mapping[str, float], precision: float) -> float:
-    """Return the simplest number within `precision`, perhaps one in the code."""
+def plainest(number: float, evidence: Evidence, precision: float = 0.0) -> float:
+    """Return the simplest number within `precision`, or that of the table, perhaps one in the code."""
+    precision = max(precision, evidence.precision)
     near = 1e-8 if precision < 1e-8 else 20 * precision
     near *= max(abs(number), 1e-300)
     for digits in (1, 2, 3, 4, 5, 6):
         short = float(f"{number:.{digits}g}")
         if abs(short - number) <= near:
             return short
-    for each in numbers.values():
+    for each in evidence.numbers.values():
         if abs(each - number) <= near:
             return float(each)
     return number
@@ -126,6 +127,8 @@ FEWEST_INFORMATIVE: Final = 3
 FEWEST_EQUATIONS: Final = 3
 """Fewest distinct equations that must agree, since two of them determine two numbers."""
 _DIGITS: Final = 6
+ROUGH: Final = 1e-8
+"""Least precision of numbers solved from single steps."""
 _AT_A_TIME: Final = 200
 SHARE: Final = 0.97
 """Share that an update must exceed."""
@@ -232,14 +235,10 @@ class Trial:
 
 
 def constant_trial(
-    sample: Sample,
-    target: UpdateTarget,
-    reward: FloatArray,
-    numbers: Mapping[str, float],
-    uses_reward_before: bool = False,
+    sample: Sample, target: UpdateTarget, reward: FloatArray, uses_reward_before: bool = False
 ) -> Trial | None:
     """Return the best trial with a constant step size for `reward`, `[n]`, if any."""
-    value = np.where(sample.ended, 0.0, sample.value(target))
+    value = sample.next_value(target)
     known = ~np.isnan(value) & (np.abs(sample.change) > 30 * sample.slack)
     if not known.any():
         known = ~np.isnan(value)
@@ -249,14 +248,14 @@ def constant_trial(
     for a, b in found:
         gamma = 0.0 if np.isnan(b) else b / a
         first = Trial(sample, target, reward, value, a, gamma, uses_reward_before=uses_reward_before)
-        trials.append(polished(first, numbers))
+        trials.append(polished(first))
     return min(trials, key=lambda trial: trial.unexplained, default=None)
 
 
-def polished(trial: Trial, numbers: Mapping[str, float]) -> Trial:
+def polished(trial: Trial) -> Trial:
     """Refine the constant step size and γ of `trial`."""
-    sample, precision = trial.sample, trial.sample.evidence.precision
-    if precision > EXACT:  # the pairs gave three digits
+    sample, evidence = trial.sample, trial.sample.evidence
+    if evidence.precision > EXACT:  # the pairs gave three digits
         near = np.abs(sample.change - trial.predicted) <= np.maximum(
             10 * sample.slack, 5e-3 * np.abs(sample.change)
         )
@@ -276,8 +275,8 @@ def polished(trial: Trial, numbers: Mapping[str, float]) -> Trial:
     assert isinstance(better.alpha, float)
     plain = replace(
         better,
-        alpha=plainest(better.alpha, numbers, precision),
-        gamma=plainest(better.gamma, numbers, precision) if abs(better.gamma) > 1e-9 else 0.0,
+        alpha=plainest(better.alpha, evidence),
+        gamma=plainest(better.gamma, evidence) if abs(better.gamma) > 1e-9 else 0.0,
     )
     return plain if plain.unexplained <= better.unexplained else better
 
@@ -288,13 +287,12 @@ def polished(trial: Trial, numbers: Mapping[str, float]) -> Trial:
 _FEWEST_PAIRS: Final = 20
 
 
-def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
+def by_episode(sample: Sample, target: UpdateTarget) -> Trial | None:
     """Return the trial with a constant step size in each episode, if any.
 
     γ is solved from neighbours, which share their step size.
     """
-    value = np.where(sample.ended, 0.0, sample.value(target))
-    unit = sample.reward - sample.old
+    value, unit = sample.next_value(target), sample.unit
     moved = np.flatnonzero(np.abs(sample.change) > 30 * sample.slack)
     episode = sample.evidence.episode[sample.at][moved]
     same = np.flatnonzero(episode[1:] == episode[:-1])
@@ -305,7 +303,7 @@ def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float
     below = sample.change[one] * value[other] - sample.change[other] * value[one]
     size = np.abs(sample.change[one] * value[other]) + np.abs(sample.change[other] * value[one])
     gamma = np.where(np.abs(below) > 1e-6 * size, above / below, np.nan)
-    for each in _discounts(gamma, sample, numbers):
+    for each in _discounts(gamma, sample):
         alpha, reliable = _step_sizes(sample, unit, value, each)
         telling = reliable[one] & reliable[other]
         equal = np.abs(alpha[one] - alpha[other]) <= _near(sample) * np.abs(alpha[one])
@@ -316,18 +314,18 @@ def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float
             continue  # each step explains itself, with any γ
         if np.sum(telling) >= _FEWEST_PAIRS and np.mean(equal[telling]) > SHARE and varied:
             weight = np.where(reliable & ~sample.ended, np.abs(sample.change) / sample.slack, 0.0)
-            ruling = _clearest_of_each(sample.evidence.episode[sample.at], alpha, weight)
+            known = np.where(weight > 0.0, alpha, np.nan)
+            ruling = clearest_of_each(sample.evidence.episode[sample.at], known, weight)
             return Trial(sample, target, sample.reward, value, ruling, each, schedule="by-episode")
     return None
 
 
-def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
+def by_visits(sample: Sample, target: UpdateTarget) -> Trial | None:
     """Return the trial with step size 1/N of the visits to a cell, if any.
 
     1/α grows by 1 between visits, so earlier visits do not matter. Episodes without changes may not count.
     """
-    value = np.where(sample.ended, 0.0, sample.value(target))
-    unit = sample.reward - sample.old
+    value, unit = sample.next_value(target), sample.unit
     moved = np.flatnonzero(np.abs(sample.change) > 30 * sample.slack)
     moved = moved[order_by(sample.cell[moved])]
     same = np.flatnonzero(sample.cell[moved][1:] == sample.cell[moved][:-1])
@@ -340,7 +338,7 @@ def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]
         above = grown - unit[other] / sample.change[other] + unit[one] / sample.change[one]
         below = value[other] / sample.change[other] - value[one] / sample.change[one]
         gamma = np.where(np.abs(below) > 1e-6, above / below, np.nan)
-        for each in _discounts(gamma, sample, numbers):
+        for each in _discounts(gamma, sample):
             alpha, reliable = _step_sizes(sample, unit, value, each)
             telling = reliable[one] & reliable[other] & (grown > 0)
             first, second = 1 / alpha[one], 1 / alpha[other]
@@ -352,12 +350,11 @@ def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]
     return None
 
 
-def _discounts(gamma: FloatArray, sample: Sample, numbers: Mapping[str, float]) -> Iterable[float]:
-    digits = 6 if sample.evidence.precision < EXACT else 3
+def _discounts(gamma: FloatArray, sample: Sample) -> Iterable[float]:
     gamma = np.where(np.abs(gamma) < 1e-9, 0.0, gamma)
-    precision = max(sample.evidence.precision, 1e-8)
-    found = [plainest(each, numbers, precision) for (each,) in most_frequent(gamma[:, None], digits, 3)]
-    named = [each for each in numbers.values() if 0.0 < each <= 1.0][:20]
+    solved = most_frequent(gamma[:, None], sample.digits, 3)
+    found = [plainest(each, sample.evidence, ROUGH) for (each,) in solved]
+    named = [each for each in sample.evidence.numbers.values() if 0.0 < each <= 1.0][:20]
     yield from dict.fromkeys((*found, *named, 1.0, 0.0))
 
 
@@ -376,10 +373,10 @@ def _near(sample: Sample) -> float:
     return 1e-6 if sample.evidence.precision < EXACT else 3e-2
 
 
-def _clearest_of_each(group: IntArray, numbers: FloatArray, weight: FloatArray) -> FloatArray:
+def clearest_of_each(group: IntArray, numbers: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return the number of the largest weight in each step's group, `[n]`."""
     order = np.lexsort((-weight, group))
     begins = np.flatnonzero(np.diff(group[order], prepend=-1))
-    clearest = np.where(weight > 0.0, numbers, np.nan)[order[begins]]
     result: FloatArray = np.empty(len(group))
-    result[order] = np.repeat(clearest, np.diff(np.append(begins, len(order))))
+    result[order] = np.repeat(numbers[order[begins]], np.diff(np.append(begins, len(order))))
     return result

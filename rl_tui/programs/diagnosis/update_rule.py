@@ -6,7 +6,7 @@ visits to the same transition.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
@@ -15,14 +15,16 @@ import numpy as np
 from rl_tui.common.words import counted
 from rl_tui.programs.diagnosis.monte_carlo import AT_ENDS, monte_carlo_update
 from rl_tui.programs.diagnosis.one_entry import one_entry_trial
-from rl_tui.programs.diagnosis.sample import EXACT, Sample, place_of, sample_of
+from rl_tui.programs.diagnosis.sample import Sample, place_of, sample_of
 from rl_tui.programs.diagnosis.trial import (
     FEWEST,
     FEWEST_INFORMATIVE,
+    ROUGH,
     SHARE,
     Trial,
     by_episode,
     by_visits,
+    clearest_of_each,
     constant_trial,
     drawn,
     most_frequent,
@@ -39,7 +41,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 _SINGULAR: Final = 1e-5
 
 
-def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
+def expected_trial(sample: Sample) -> Trial | None:
     """Return the best trial of Expected SARSA, if α, γ and ε are determined."""
     inner = np.flatnonzero((sample.change != 0.0) & ~sample.ended)
     mean: FloatArray = sample.rows.mean(1)
@@ -47,22 +49,21 @@ def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None
     if len(telling) < FEWEST:
         return None
     triples = np.column_stack((drawn(telling, 2), drawn(telling, 3), drawn(inner, 4)))
-    digits = 6 if sample.evidence.precision < EXACT else 3
     trials = []
-    for a, gamma, epsilon in most_frequent(_solved(sample, mean, triples), digits, 3):
+    for a, gamma, epsilon in most_frequent(_solved(sample, mean, triples), sample.digits, 3):
         if 0.0 < epsilon <= 1.0 + 1e-6 and a != 0.0:
-            trials.append(_with(sample, mean, (a, gamma, epsilon), numbers))
+            trials.append(_with(sample, mean, (a, gamma, epsilon)))
     neighbours = np.column_stack((telling[:-2], telling[1:-1], telling[2:]))
     episode = sample.evidence.episode[sample.at]
     neighbours = neighbours[episode[neighbours[:, 0]] == episode[neighbours[:, 2]]]
-    for a, gamma in most_frequent(_solved(sample, mean, neighbours)[:, :2], digits, 2):
+    for a, gamma in most_frequent(_solved(sample, mean, neighbours)[:, :2], sample.digits, 2):
         if a != 0.0 and gamma != 0.0:
-            trials.append(_with_own_epsilons(sample, mean, a, gamma, numbers))
+            trials.append(_with_own_epsilons(sample, mean, a, gamma))
     return min(trials, key=lambda trial: trial.unexplained, default=None)
 
 
 def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
-    columns = np.stack((sample.reward - sample.old, sample.best, mean - sample.best), axis=-1)
+    columns = np.stack((sample.unit, sample.best, mean - sample.best), axis=-1)
     matrix, change = columns[triples], sample.change[triples]
     size = np.abs(matrix).max(1, keepdims=True)
     matrix /= size
@@ -72,37 +73,23 @@ def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
     return np.column_stack((answer[:, 0], answer[:, 1] / answer[:, 0], answer[:, 2] / answer[:, 1]))
 
 
-def _with(
-    sample: Sample,
-    mean: FloatArray,
-    found: tuple[float, float, float],
-    numbers: Mapping[str, float],
-) -> Trial:
+def _with(sample: Sample, mean: FloatArray, found: tuple[float, float, float]) -> Trial:
     def trial(alpha: float, gamma: float, epsilon: float) -> Trial:
         value = np.where(sample.ended, 0.0, sample.best + epsilon * (mean - sample.best))
         return Trial(sample, UpdateTarget.EXPECTED, sample.reward, value, alpha, gamma, epsilon=epsilon)
 
-    precision = sample.evidence.precision
     as_found = trial(*found)
-    plain = trial(*(plainest(each, numbers, max(precision, 1e-8)) for each in found))
+    plain = trial(*(plainest(each, sample.evidence, ROUGH) for each in found))
     return plain if plain.unexplained <= as_found.unexplained else as_found
 
 
-def _with_own_epsilons(
-    sample: Sample, mean: FloatArray, alpha: float, gamma: float, numbers: Mapping[str, float]
-) -> Trial:
-    precision = max(sample.evidence.precision, 1e-8)
-    alpha, gamma = plainest(alpha, numbers, precision), plainest(gamma, numbers, precision)
+def _with_own_epsilons(sample: Sample, mean: FloatArray, alpha: float, gamma: float) -> Trial:
+    alpha, gamma = (plainest(each, sample.evidence, ROUGH) for each in (alpha, gamma))
     rest = sample.change / alpha - sample.reward + sample.old - gamma * sample.best
     epsilon = rest / (gamma * (mean - sample.best))
     weight = np.abs(alpha * gamma * (mean - sample.best)) / sample.slack
     weight[~((epsilon > -1e-6) & (epsilon < 1 + 1e-6)) | sample.ended] = 0.0
-    episode = sample.evidence.episode[sample.at]
-    order = np.lexsort((-weight, episode))  # the step that determines ε best comes first in each episode
-    begins = np.flatnonzero(np.diff(episode[order], prepend=-1))
-    of_episode = np.repeat(epsilon[order[begins]], np.diff(np.append(begins, len(order))))
-    own = np.empty(len(sample))
-    own[order] = of_episode
+    own = clearest_of_each(sample.evidence.episode[sample.at], epsilon, weight)
     value = np.where(sample.ended, 0.0, sample.best + own * (mean - sample.best))
     trial = Trial(sample, UpdateTarget.EXPECTED, sample.reward, value, alpha, gamma)
     varied = len(np.unique(np.round(own[np.isfinite(own)], 6))) > 1
@@ -112,9 +99,9 @@ def _with_own_epsilons(
 # A reward of the program's own
 
 
-def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
+def own_reward_trial(sample: Sample, target: UpdateTarget) -> Trial | None:
     """Return the best trial with a reward that is a function of (s, a, s′, r), if any."""
-    value = np.where(sample.ended, 0.0, sample.value(target))
+    value = sample.next_value(target)
     group = _transitions(sample)
     order = np.argsort(group, kind="stable")
     same = np.flatnonzero(group[order][1:] == group[order][:-1])
@@ -123,14 +110,12 @@ def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str,
     change = sample.change[other] - sample.change[one]
     slack = sample.slack[one] + sample.slack[other]
     clear = (np.abs(old) > 100 * slack) & (sample.change[one] != 0) & (sample.change[other] != 0)
-    digits = 6 if sample.evidence.precision < EXACT else 3
     values = value[other] - value[one]
     values[np.abs(values) <= 100 * slack] = 0.0
-    precision = max(sample.evidence.precision, 1e-8)
     trials = []
-    for a, b in solved_pairs(old[clear], values[clear], change[clear], digits, 3):
-        gamma = 0.0 if np.isnan(b) else plainest(b / a, numbers, precision)
-        a = plainest(a, numbers, precision)
+    for a, b in solved_pairs(old[clear], values[clear], change[clear], sample.digits, 3):
+        gamma = 0.0 if np.isnan(b) else plainest(b / a, sample.evidence, ROUGH)
+        a = plainest(a, sample.evidence, ROUGH)
         reward = sample.change / a + sample.old - gamma * value
         middle, shared = _middles(group, reward)
         trial = Trial(sample, target, middle, value, a, gamma, own_reward=True)
@@ -188,7 +173,7 @@ _WRONG: Final = (UpdateTarget.COLUMN, UpdateTarget.OWN_STATE, UpdateTarget.INDEX
 
 
 @np.errstate(all="ignore")  # a failed division is NaN, and is no evidence
-def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "") -> UpdateFound:
+def update_of(evidence: Evidence) -> UpdateFound:
     """Find the update that explains `evidence`.
 
     The search takes a bounded choice of steps, to which `departs_at` and `informative` refer in a long run.
@@ -196,14 +181,13 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
     moved = evidence.changes_of > 0
     if not moved.any():
         return UpdateFound(reason="No number of the table has changed yet.")
-    ends = evidence.terminated | evidence.truncated
     several = evidence.changes_of > 1
-    inner = moved & ~ends
-    if np.mean(ends[moved]) < AT_ENDS and np.mean(several[inner]) > 1 - SHARE:
+    inner = moved & ~evidence.ends
+    if np.mean(evidence.ends[moved]) < AT_ENDS and np.mean(several[inner]) > 1 - SHARE:
         most = int(evidence.changes_of[inner].max())
         return UpdateFound(reason=f"One step changes up to {most} numbers, so this is not a one-step update.")
     if np.mean(several[moved]) > 1 - SHARE:
-        by_returns = monte_carlo_update(evidence, numbers)
+        by_returns = monte_carlo_update(evidence)
         if by_returns:
             return by_returns
     place = _place(evidence)
@@ -217,10 +201,10 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "")
             reason="The changed number is not Q(s, a), the estimate of the state and action of the step."
         )
     sample = sample_of(evidence, place)
-    trial = _best(sample, numbers)
+    trial = _best(sample)
     if trial is not None:
         return _found(trial)
-    return monte_carlo_update(evidence, numbers) or UpdateFound(place=place, reason=_why_none(sample, dtype))
+    return monte_carlo_update(evidence) or UpdateFound(place=place, reason=_why_none(sample))
 
 
 def _place(evidence: Evidence) -> MovedCell | None:
@@ -233,11 +217,11 @@ def _place(evidence: Evidence) -> MovedCell | None:
     return place if shares[place] > SHARE else None
 
 
-def _best(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
+def _best(sample: Sample) -> Trial | None:
     held: list[Trial] = []
     stages = (_constant, _faulty, _varying, _one_entry)
     for stage in (_of_two_tables,) if sample.evidence.is_pair else stages:
-        held += [trial for trial in stage(sample, numbers) if trial.holds]
+        held += [trial for trial in stage(sample) if trial.holds]
         if held:
             fewest = min(map(_failures, held))
             best = next(trial for trial in held if _failures(trial) < fewest + FEWEST_INFORMATIVE)
@@ -251,9 +235,9 @@ def _failures(trial: Trial) -> float:
     return trial.unexplained * len(trial.sample) / max(looked_at, 1)
 
 
-def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+def _constant(sample: Sample) -> Iterator[Trial]:
     for target in _RIGHT:
-        trial = constant_trial(sample, target, sample.reward, numbers)
+        trial = constant_trial(sample, target, sample.reward)
         if trial:
             yield trial
     if sample.place is not MovedCell.ONE_LATE:
@@ -261,43 +245,43 @@ def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
         within = np.where(begins, 0.0, sample.reward_before)  # where it is reset to 0 in each episode
         for before in (sample.reward_before, within):
             for target in _RIGHT:
-                trial = constant_trial(sample, target, before, numbers, uses_reward_before=True)
+                trial = constant_trial(sample, target, before, uses_reward_before=True)
                 if trial:
                     yield trial
 
 
-def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+def _faulty(sample: Sample) -> Iterator[Trial]:
     for target in _RIGHT:
-        trial = own_reward_trial(sample, target, numbers)
+        trial = own_reward_trial(sample, target)
         if trial:
             yield trial
     if sample.place is not MovedCell.ONE_LATE:
         for target in _WRONG:
-            trial = constant_trial(sample, target, sample.reward, numbers)
+            trial = constant_trial(sample, target, sample.reward)
             if trial and trial.tells_gamma and trial.gamma:
                 yield trial
 
 
-def _varying(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    trial = expected_trial(sample, numbers)
+def _varying(sample: Sample) -> Iterator[Trial]:
+    trial = expected_trial(sample)
     if trial:
         yield trial
     for target in _RIGHT:
-        trial = by_visits(sample, target, numbers) or by_episode(sample, target, numbers)
+        trial = by_visits(sample, target) or by_episode(sample, target)
         if trial:
             yield trial
 
 
-def _of_two_tables(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+def _of_two_tables(sample: Sample) -> Iterator[Trial]:
     right = _OF_TWO_TABLES[0]
-    trials = [constant_trial(sample, each, sample.reward, numbers) for each in _OF_TWO_TABLES]
+    trials = [constant_trial(sample, each, sample.reward) for each in _OF_TWO_TABLES]
     if not any(trial and trial.holds for trial in trials):
-        trials = [find(sample, right, numbers) for find in (by_visits, by_episode, own_reward_trial)]
+        trials = [find(sample, right) for find in (by_visits, by_episode, own_reward_trial)]
     yield from (trial for trial in trials if trial)
 
 
-def _one_entry(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
-    trial = one_entry_trial(sample, numbers) if sample.place is MovedCell.TAKEN else None
+def _one_entry(sample: Sample) -> Iterator[Trial]:
+    trial = one_entry_trial(sample) if sample.place is MovedCell.TAKEN else None
     if trial:
         yield trial
 
@@ -344,13 +328,13 @@ def _undecided(trial: Trial) -> str:
     return ""
 
 
-def _why_none(sample: Sample, dtype: str) -> str:
+def _why_none(sample: Sample) -> str:
     if int(np.sum(sample.change != 0.0)) < FEWEST:
         moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
         rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")
         return f"Too few numbers of the table have changed so far: {moved} changed a number, after {rewards}."
     if np.all(sample.change[sample.change != 0.0] == 1.0):
         return "Each step adds 1 to one number: the table counts visits and is not a table of values."
-    if sample.evidence.whole_numbers and dtype.startswith(("int", "uint")):
+    if sample.evidence.whole_numbers and sample.evidence.dtype.startswith(("int", "uint")):
         return "The table contains only whole numbers, so new estimates lose their decimals."
     return "Each step changes one number, but no known update explains the change."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Final
 
@@ -70,17 +71,19 @@ class PairHistory(TableHistory):
 
 
 class Evidence:
-    """The N steps since the table was found, oldest first.
+    """The N steps since the table was found, oldest first, with the numbers in the code.
 
     `reward_before` is the reward of the program's previous step (0 at first), `next_action` and
     `previous_cell` are those in the episode (−1 if none). `initial`, `[S·A]`, is the table at the first step.
     If two tables change in turn, `table`, `[N]`, is the one that each step changed.
     """
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(
+        self, recording: Recording, numbers: Mapping[str, float] | None = None, dtype: str = ""
+    ) -> None:
         if recording.initial is None:
             raise ValueError("no table was found")
-        self.recording = recording
+        self.recording, self.numbers, self.dtype = recording, numbers or {}, dtype
         self.actions = recording.actions
         steps = recording.steps
         self.is_pair = recording.initial_pair is not None
@@ -91,6 +94,7 @@ class Evidence:
         self.state, self.action = steps.state[cut], steps.action[cut]
         self.reward, self.next_state = steps.reward[cut], steps.next_state[cut]
         self.terminated, self.truncated = steps.terminated[cut], steps.truncated[cut]
+        self.ends: BoolArray = self.terminated | self.truncated
         self.episode, self.episode_step = steps.episode[cut], steps.episode_step[cut]
         self.environment = steps.environment[cut]
         self.cell: IntArray = self.state * self.actions + self.action
@@ -159,6 +163,12 @@ class Evidence:
         """Changed cells of each step, `[N]`."""
         counted: IntArray = np.bincount(self._at[self._at >= 0], minlength=len(self))
         return counted
+
+    @property
+    def inner(self) -> BoolArray:
+        """Steps within episodes with one change, `[N]`."""
+        inner: BoolArray = (self.changes_of == 1) & ~self.ends
+        return inner
 
     @cached_property
     def only_change(self) -> tuple[IntArray, FloatArray, FloatArray]:

@@ -221,7 +221,7 @@ def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
 
 def _takes_own_value(evidence: Evidence, at: IntArray, place: str) -> bool:
     """Return True if only a value of s, in place of one of s′, gives constant factors."""
-    at = at[~(evidence.terminated | evidence.truncated)[at]][:_MOST_SOLVED]
+    at = at[~evidence.ends[at]][:_MOST_SOLVED]
     if len(at) < FEWEST_STEPS:
         return False
     own = evidence.rows(evidence.state[at], at)

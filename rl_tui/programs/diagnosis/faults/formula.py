@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -13,11 +13,11 @@ import numpy as np
 from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.programs.diagnosis.faults.cells import Proof, step_text, written
 from rl_tui.programs.diagnosis.sample import EXACT, Sample, sample_of
-from rl_tui.programs.diagnosis.trial import FEWEST, plainest, refined, rounded
+from rl_tui.programs.diagnosis.trial import FEWEST, ROUGH, plainest, refined, rounded
 from rl_tui.programs.evidence.code_names import DISCOUNT, CodeNames
 from rl_tui.programs.evidence.evidence import Evidence
 from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateFound, UpdateTarget
-from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.program_log import ProgramEnvironment
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _RESIDUAL: Final = 1e-6
@@ -59,6 +59,10 @@ class _Formula:
     constant: float
 
     @property
+    def numbers(self) -> dict[str, float]:
+        return {name.rpartition(".")[2]: x for name, x in self.sample.evidence.numbers.items()}
+
+    @property
     def sizes(self) -> FloatArray:
         sample = self.sample
         size: FloatArray = np.abs((self.reward or 0.0) * sample.reward) + np.abs(self.old * sample.old)
@@ -96,7 +100,7 @@ class _Mistake:
 
 @np.errstate(all="ignore")  # numbers may be 0
 def proof_of_formula(
-    evidence: Evidence, update: UpdateFound, log: ProgramLog, names: CodeNames
+    evidence: Evidence, update: UpdateFound, environments: Sequence[ProgramEnvironment], names: CodeNames
 ) -> Proof | None:
     """Prove an exact linear formula with a wrong sign or a misplaced term.
 
@@ -107,8 +111,8 @@ def proof_of_formula(
     if evidence.is_pair or evidence.precision > EXACT or (is_right and (update.gamma or 0.0) <= 1.0):
         return None
     sample = sample_of(evidence, MovedCell.TAKEN)
-    found = [each for each in (_formula(sample, target, log.numbers) for target in _READ) if each]
-    mistakes = [_mistake(each, log) for each in found]
+    found = [each for each in (_formula(sample, target) for target in _READ) if each]
+    mistakes = [_mistake(each, environments) for each in found]
     if not found or None in mistakes or found[0].target not in _TEXTS:
         return None
     formula, mistake = found[0], mistakes[0]
@@ -133,7 +137,7 @@ def proof_of_formula(
     )
 
 
-def _formula(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> _Formula | None:
+def _formula(sample: Sample, target: UpdateTarget) -> _Formula | None:
     steps = ~sample.ended
     moving = steps & (sample.change != 0.0)
     if moving.sum() < _FEWEST_EQUATIONS:
@@ -150,14 +154,14 @@ def _formula(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float])
     if factors is None:
         return None
     largest = max(map(abs, factors))
-    plain = [0.0 if abs(x) < 1e-9 * largest else plainest(x, numbers, _NEAR * 1e-2) for x in factors]
+    plain = [0.0 if abs(x) < 1e-9 * largest else plainest(x, sample.evidence, ROUGH) for x in factors]
     of_value, of_old, constant = plain[:3]
     formula = _Formula(sample, steps, target, plain[3] if varies else None, of_value, of_old, constant)
     allowed = _RESIDUAL * formula.sizes + np.finfo(np.float64).tiny  # smaller numbers have fewer digits
     return formula if np.all((formula.residual <= allowed)[steps]) else None
 
 
-def _mistake(formula: _Formula, log: ProgramLog) -> _Mistake | None:
+def _mistake(formula: _Formula, environments: Sequence[ProgramEnvironment]) -> _Mistake | None:
     next_value, old = formula.sample.value(formula.target), formula.sample.old
     reward, value, own = formula.reward, formula.value, formula.old
     near = _NEAR * max(abs(value), abs(own))
@@ -170,21 +174,21 @@ def _mistake(formula: _Formula, log: ProgramLog) -> _Mistake | None:
         done = "added" if own > near else "not subtracted"
         return _Mistake(f"Q(s, a) is {done}. It has to be subtracted, with the factor α.", old * value)
     if value < 0.0:
-        if not any(each.id.startswith(_ONE_PLAYER) or each.transitions for each in log.environments):
+        if not any(each.id.startswith(_ONE_PLAYER) or each.transitions for each in environments):
             return None
         return _Mistake(f"{read} is subtracted. It has to be added.", next_value * value)
     if value > -own * _CLEARLY_ABOVE:
         text = f"That is γ {written(-value / own)}, and γ is at most 1."
         return _Mistake(text, next_value * value)
     if own < -_CLEARLY_ABOVE:
-        return _replaced(formula, log.numbers)
-    return _misplaced(formula, log.numbers)
+        return _replaced(formula)
+    return _misplaced(formula)
 
 
-def _replaced(formula: _Formula, numbers: Mapping[str, float]) -> _Mistake:
+def _replaced(formula: _Formula) -> _Mistake:
     """Tell Q ← α (target − Q), with = in place of +=, from a step size above 1."""
     text = f"Q(s, a) is subtracted {written(-formula.old)} times, as with = in place of += or with α above 1."
-    for name, alpha in _step_sizes(numbers).items():
+    for name, alpha in _step_sizes(formula.numbers).items():
         if _is(formula.old, -1.0 - alpha):
             text = f"`{name}` is {written(alpha)}, so the old Q(s, a) is lost, as with = in place of +=."
             return _Mistake(text, formula.sample.old, "declared")
@@ -192,14 +196,13 @@ def _replaced(formula: _Formula, numbers: Mapping[str, float]) -> _Mistake:
 
 
 def _step_sizes(numbers: Mapping[str, float]) -> dict[str, float]:
-    named = {name.rpartition(".")[2]: x for name, x in numbers.items()}
-    return {name: x for name, x in named.items() if _STEP_SIZE.search(name) and 0.0 < x < 1.0}
+    return {name: x for name, x in numbers.items() if _STEP_SIZE.search(name) and 0.0 < x < 1.0}
 
 
-def _misplaced(formula: _Formula, numbers: Mapping[str, float]) -> _Mistake | None:
+def _misplaced(formula: _Formula) -> _Mistake | None:
     """Find Q ← α · target and Q ← α r + γ V, where α does not multiply all three terms, or γ two of them."""
-    named = {name.rpartition(".")[2]: x for name, x in numbers.items()}
-    discounts = {name: x for name, x in named.items() if DISCOUNT.search(name)}
+    numbers = formula.numbers
+    discounts = {name: x for name, x in numbers.items() if DISCOUNT.search(name)}
     for name, alpha in _step_sizes(numbers).items():
         if formula.reward is not None and not _is(formula.reward, alpha):
             continue
@@ -211,7 +214,7 @@ def _misplaced(formula: _Formula, numbers: Mapping[str, float]) -> _Mistake | No
                 return _Mistake(text, formula.sample.old * alpha * (1.0 - gamma), "declared")
             if not _is(formula.old, -1.0):
                 continue
-            if _is(formula.value, alpha * gamma) and not any(_is(x, formula.value) for x in named.values()):
+            if _is(formula.value, alpha * gamma) and not any(_is(x, formula.value) for x in numbers.values()):
                 text = f"{values}, so (1 − α) Q(s, a) is missing."
                 return _Mistake(text, formula.sample.old, "declared")
             if formula.reward is not None and _is(formula.value, gamma):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Final, Literal
@@ -47,7 +47,6 @@ class Case:
     predictions: Predictions
     reward: FloatArray
     names: CodeNames
-    numbers: Mapping[str, float]
     done_is_either: bool = False
     may_be_own: bool = False
 
@@ -171,7 +170,7 @@ def _changed(case: Case) -> BoolArray:
 
 
 def _inner(case: Case) -> BoolArray:
-    return _changed(case) & ~(case.evidence.terminated | case.evidence.truncated)
+    return case.evidence.inner
 
 
 def _ended(case: Case) -> BoolArray:
@@ -306,7 +305,7 @@ def _is_out_of_range(case: Case) -> bool:
 
 def _root(case: Case) -> tuple[str, float]:
     """Return the discount whose square moves the table, or 1 if the code has the found discount."""
-    gamma, numbers = case.update.gamma, case.numbers
+    gamma, numbers = case.update.gamma, case.evidence.numbers
     if (
         gamma is None
         or not 0.0 < gamma < 1.0
@@ -445,8 +444,8 @@ HYPOTHESES: Final = (
 
 def _shifted(before: FloatArray) -> Hypothesis:
     def values(tested: Tested) -> FloatArray:
-        ended = (tested.evidence.terminated | tested.evidence.truncated)[tested.at]
-        without = np.where(ended[:, None], 0.0, tested.values)  # bootstrapping there is a separate question
+        # bootstrapping at an end is a separate question
+        without = np.where(tested.evidence.ends[tested.at, None], 0.0, tested.values)
         return np.concatenate((tested.values, without), axis=1)
 
     def steps(case: Case) -> BoolArray:

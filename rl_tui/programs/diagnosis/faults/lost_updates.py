@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -32,17 +31,15 @@ memory.
 """
 
 
-def proof_of_rounding(
-    evidence: Evidence, dtype: str, numbers: Mapping[str, float], names: CodeNames, *, writes: bool
-) -> Proof | None:
+def proof_of_rounding(evidence: Evidence, names: CodeNames, *, writes: bool) -> Proof | None:
     """Prove that a table of integers truncates its updates.
 
     Numbers in the code explain the integer parts, or written rewards leave no trace.
     """
     never_moves = not evidence.changes.step.size
-    if not dtype.startswith(("int", "uint")) or (never_moves and not writes):
+    if not evidence.dtype.startswith(("int", "uint")) or (never_moves and not writes):
         return None
-    cut = _cut_off(evidence, numbers)
+    cut = _cut_off(evidence)
     if cut is None and writes:
         cut = _nothing_kept(evidence)
     if cut is None:
@@ -52,20 +49,20 @@ def proof_of_rounding(
         CodeFault.ROUNDING_TABLE,
         evidence.number[at],
         0,
-        f"The table holds {dtype}. {text}",
+        f"The table holds {evidence.dtype}. {text}",
         f"create a table of floats: {names.table} = np.zeros((number of states, number of actions))",
         ProgramCode.table_line,
     )
 
 
-def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray, str] | None:
+def _cut_off(evidence: Evidence) -> tuple[IntArray, str] | None:
     plain = evidence.stays | (evidence.only_change[0] == evidence.cell)
     at = some_of(np.flatnonzero(plain & ((evidence.changes_of == 1) | (evidence.reward != 0.0))), _MOST)
     before = evidence.history.before(evidence.cell[at], evidence.number[at])
     after = np.where(evidence.changes_of[at] == 1, evidence.only_change[2][at], before)
     best = evidence.rows(evidence.next_state[at], at).max(1, initial=-np.inf)
     ended = evidence.terminated[at]
-    held = sorted({each for each in numbers.values() if 0.0 < each <= 1.0})[:_MOST_NUMBERS]
+    held = sorted({each for each in evidence.numbers.values() if 0.0 < each <= 1.0})[:_MOST_NUMBERS]
     for alpha in dict.fromkeys((*held, 1.0)):
         for gamma in dict.fromkeys((*held, 1.0)):
             full = before + alpha * (evidence.reward[at] + gamma * np.where(ended, 0.0, best) - before)
@@ -99,7 +96,7 @@ def proof_of_no_update(
         return None  # an earlier or loaded table is only used
     rewarded = _tells(evidence, float(evidence.initial.max(initial=0.0)))
     at = np.flatnonzero(rewarded)
-    only_at_ends = bool((evidence.terminated | evidence.truncated)[at].all())
+    only_at_ends = bool(evidence.ends[at].all())
     writes = code.always_writes or (is_over and only_at_ends and code.writes_until_the_end)
     if not (lacks_update or writes):
         return None
@@ -128,7 +125,7 @@ def _fix(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: Program
     if code.lacks_update:
         return f"add the missing update: {names.target()}; {update}"
     left = code.left_before_update()
-    if left is not None and (evidence.terminated | evidence.truncated)[rewarded].all():
+    if left is not None and evidence.ends[rewarded].all():
         return (
             f"update before line {left.line}, which leaves the loop at the end of an episode, where all "
             f"rewards are: {names.target()}"

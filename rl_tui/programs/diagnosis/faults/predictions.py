@@ -50,9 +50,9 @@ class Witnesses(NamedTuple):
 class Predictions:
     """Predicts every step under the rule `update`."""
 
-    def __init__(self, evidence: Evidence, update: UpdateFound, dtype: str) -> None:
+    def __init__(self, evidence: Evidence, update: UpdateFound) -> None:
         self.evidence, self.update = evidence, update
-        self._precision = _PRECISION.get(dtype, _EXACT)
+        self._precision = _PRECISION.get(evidence.dtype, _EXACT)
 
     @property
     def is_known(self) -> bool:
@@ -156,8 +156,7 @@ class Predictions:
 
     def _solved_alpha(self) -> tuple[IntArray, FloatArray]:
         evidence = self.evidence
-        inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
-        readings = self.readings(_thinned(np.flatnonzero(inner)))
+        readings = self.readings(_thinned(np.flatnonzero(evidence.inner)))
         values = self.values(readings.at)[:, 0]
         error = evidence.reward[readings.at] + self.gamma * values - readings.before
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -166,14 +165,13 @@ class Predictions:
         return readings.at[known], solved[known]
 
 
-def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
+def by_the_environment(evidence: Evidence, update: UpdateFound) -> Predictions:
     """Predict with the environment's reward, unless inner steps need another one."""
-    predictions = Predictions(evidence, update, dtype)
+    predictions = Predictions(evidence, update)
     if update.reward != "own" or update.place is MovedCell.ONE_LATE:
         return predictions
-    plainer = Predictions(evidence, replace(update, reward="environment"), dtype)
-    inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
-    readings = plainer.readings(some_of(np.flatnonzero(inner), _FEW))
+    plainer = Predictions(evidence, replace(update, reward="environment"))
+    readings = plainer.readings(some_of(np.flatnonzero(evidence.inner), _FEW))
     expected = plainer.after(readings, evidence.reward[readings.at], plainer.values(readings.at))
     seen = plainer.witnesses(readings, expected, readings.before[:, None])
     explained, others = int(seen.one.sum()), int(seen.neither.sum())
