@@ -227,5 +227,7 @@ def test_a_table_that_a_user_named_is_taken(tmp_path: Path) -> None:
 def test_a_program_without_such_environments_is_compiled_as_it_is(tmp_path: Path) -> None:
     path = script_in(tmp_path, LOOP.format(episodes=1))
     script, finders = read_script(path), list(sys.meta_path)
-    assert Sites().with_calls(script, path) is script
+    before = script.compiled()
+    Sites().add_calls(script)
+    assert script.compiled() == before
     assert sys.meta_path == finders

@@ -26,7 +26,7 @@ def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
     place = the_agent(script.tree, path, said["agent"])
     offer_stand_ins(place.style, path.stem)
     sys.argv = [said["path"], *said["arguments"]]
-    built = getattr(load_module(script.code, path), place.name)
+    built = getattr(load_module(script.compiled(), path), place.name)
     shape = place.shape
     method = getattr(built, shape.update) if shape.update else built
     tell(

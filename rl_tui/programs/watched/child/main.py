@@ -31,10 +31,10 @@ from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.errors import described, users_place, watch_file
 from rl_tui.programs.watched.child.old_gym.modules import offer_old_gym
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.child.removed_names import give_back_removed_names, with_old_conversions
+from rl_tui.programs.watched.child.removed_names import give_back_conversions, give_back_removed_names
 from rl_tui.programs.watched.child.script import read_script, run_script
 from rl_tui.programs.watched.child.stand_ins import stand_in
-from rl_tui.programs.watched.child.worlds.functions import with_watched_functions
+from rl_tui.programs.watched.child.worlds.functions import watch_functions
 from rl_tui.programs.watched.child.worlds.own_worlds import OwnWorlds
 from rl_tui.programs.watched.child.worlds.windows import offer_windows
 from rl_tui.programs.watched.messages import MessageKind
@@ -264,10 +264,11 @@ def main(said: dict[str, Any]) -> None:
     watch_file(path)
     try:
         if said["agent"] is None:
-            script = with_old_conversions(read_script(path), path, note)
-            script = boxes.sites.with_calls(script, path)
-            script = with_watched_functions(script, path, own_worlds)
-            run_script(script, path, said["arguments"], note)
+            script = read_script(path)
+            give_back_conversions(script.tree, note)
+            boxes.sites.add_calls(script)
+            watch_functions(script.tree, own_worlds)
+            run_script(script, said["arguments"], note)
         else:
             from rl_tui.programs.watched.child.agent import run_agent
 

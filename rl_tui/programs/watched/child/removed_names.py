@@ -11,7 +11,6 @@ import random
 import sys
 import time
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
@@ -19,7 +18,6 @@ import numpy as np
 
 from rl_tui.common.after_import import after_import
 from rl_tui.programs.watched.child.errors import is_users_file
-from rl_tui.programs.watched.child.script import Script
 
 Note = Callable[[str], None]
 _NUMPY: Final[Mapping[str, tuple[Any, str]]] = {
@@ -116,7 +114,7 @@ def _give_back_to_frames(pandas: Any, note: Note) -> None:
             setattr(pandas.DataFrame, name, value)
 
 
-def with_old_conversions(script: Script, path: Path, note: Note) -> Script:
+def give_back_conversions(tree: ast.Module, note: Note) -> None:
     """Let `int(np.random.choice(a, 1))` and similar calls work as before."""
 
     def one_number(value: Any) -> Any:
@@ -125,16 +123,12 @@ def with_old_conversions(script: Script, path: Path, note: Note) -> Script:
         note(_NO_NUMBER)
         return value.item()
 
-    found = [each for each in ast.walk(script.tree) if isinstance(each, ast.Call) and _may_convert(each)]
-    if not found:
-        return script
+    found = [each for each in ast.walk(tree) if isinstance(each, ast.Call) and _may_convert(each)]
     setattr(builtins, _ONE_NUMBER, one_number)
     for each in found:
         inner = each.args[0]
         name = ast.copy_location(ast.Name(_ONE_NUMBER, ast.Load()), inner)
         each.args = [ast.copy_location(ast.Call(name, [inner], []), inner)]
-    code = compile(script.tree, str(path.absolute()), "exec", dont_inherit=True)
-    return script._replace(code=code)
 
 
 def _may_convert(call: ast.Call) -> bool:

@@ -35,10 +35,14 @@ _NOT_PYTHON: Final = (SyntaxError, ValueError, RecursionError, MemoryError, Over
 class Script(NamedTuple):
     """A script, its syntax `tree`, and the number of skipped notebook lines."""
 
-    code: CodeType
+    path: Path
     text: str
     tree: ast.Module
     notebook_lines: int
+
+    def compiled(self) -> CodeType:
+        """Return the code of the tree as it is now."""
+        return compile(self.tree, str(self.path.absolute()), "exec", dont_inherit=True)
 
 
 def read_script(path: Path) -> Script:
@@ -53,7 +57,9 @@ def read_script(path: Path) -> Script:
         if notebook is not None:
             count += notebook.skipped
             _show_in_tracebacks(path, text)
-        return Script(compile(tree, str(path.absolute()), "exec", dont_inherit=True), text, tree, count)
+        script = Script(path, text, tree, count)
+        script.compiled()  # it finds mistakes that the parser does not
+        return script
     except _NOT_PYTHON as error:
         raise UserError(_fault(path, error)) from error
 
@@ -159,21 +165,21 @@ def _fault(path: Path, error: Exception) -> str:
 _LONGEST_STATUS = 200
 
 
-def run_script(script: Script, path: Path, arguments: Sequence[str], note: Callable[[str], None]) -> None:
+def run_script(script: Script, arguments: Sequence[str], note: Callable[[str], None]) -> None:
     """Run `script` as `__main__`, wait for its threads, and `note` workarounds.
 
     Raises any exception of the script, except SystemExit, which is a normal end.
     """
-    file = path.absolute()
+    file = script.path.absolute()
     if script.notebook_lines:
         what = counted(script.notebook_lines, "line")
         note(f"{what} that only notebooks understand {'is' if script.notebook_lines == 1 else 'are'} skipped")
-    sys.argv = [str(path), *arguments]
+    sys.argv = [str(script.path), *arguments]
     sys.path.insert(0, str(file.parent))
     module = _main_module(file)
     sys.modules["__main__"] = module
     try:
-        exec(script.code, module.__dict__)
+        exec(script.compiled(), module.__dict__)
     except SystemExit as end:
         _tell_status(end.code, note)
     for thread in threading.enumerate():

@@ -426,13 +426,12 @@ class Sites:
     def __getitem__(self, number: int) -> IndexSite:
         return self._sites[number]
 
-    def with_calls(self, script: Script, path: Path) -> Script:
-        """Return `script` with calls, unless it or an import makes other environments."""
-        texts = list(_texts(script.text, path.absolute().parent))
-        if any(map(_GYM.search, texts)) and not any(map(_BOX.search, texts)):
-            return script
-        self.begin()
-        return script._replace(code=self.compiled(script.tree, str(path.absolute())))
+    def add_calls(self, script: Script) -> None:
+        """Add calls to `script`, unless it or an import makes other environments."""
+        texts = list(_texts(script.text, script.path.absolute().parent))
+        if any(map(_BOX.search, texts)) or not any(map(_GYM.search, texts)):
+            self.begin()
+            self.add_calls_to(script.tree)
 
     def begin(self) -> None:
         """Add calls to files imported from now on."""
@@ -440,12 +439,11 @@ class Sites:
             self._is_on = True
             sys.meta_path.insert(sys.meta_path.index(PathFinder), _Finder(self))
 
-    def compiled(self, tree: ast.Module, file: str) -> CodeType:
-        """Compile `tree` with calls."""
+    def add_calls_to(self, tree: ast.Module) -> None:
+        """Add calls to a file's tree."""
         calls = _Calls(len(self._sites))
         calls.visit(tree)
         self._sites += calls.sites
-        return compile(tree, file, "exec", dont_inherit=True)
 
     @staticmethod
     def call(before: Callable[[int], None], after: Callable[[int], None]) -> None:
@@ -488,4 +486,6 @@ class _Loader(SourceFileLoader):
 
     def get_code(self, fullname: str) -> CodeType:
         del fullname
-        return self._sites.compiled(ast.parse(self.get_data(self.path), self.path), self.path)
+        tree = ast.parse(self.get_data(self.path), self.path)
+        self._sites.add_calls_to(tree)
+        return compile(tree, self.path, "exec", dont_inherit=True)

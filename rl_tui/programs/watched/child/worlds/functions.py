@@ -6,11 +6,9 @@ import ast
 import builtins
 import sys
 from functools import wraps
-from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
-from rl_tui.programs.watched.child.script import Script
 from rl_tui.programs.watched.child.worlds.first_steps import function_step_of
 from rl_tui.programs.watched.child.worlds.met import UnfitError, state_key
 from rl_tui.programs.watched.child.worlds.own_worlds import FunctionWorld, OwnWorlds
@@ -26,18 +24,12 @@ _OTHERS: Final = frozenset({"self", "cls", "env", "agent"})
 _DECORATOR: Final = "__rl_tui_watched_function__"
 
 
-def with_watched_functions(script: Script, path: Path, worlds: OwnWorlds) -> Script:
-    """Return `script` with hooks around functions that may take a step."""
-    found = [
-        each for each in script.tree.body if isinstance(each, ast.FunctionDef) and _may_take_a_step(each)
-    ]
-    if not found:
-        return script
+def watch_functions(tree: ast.Module, worlds: OwnWorlds) -> None:
+    """Put hooks around functions that may take a step."""
     setattr(builtins, _DECORATOR, lambda function: _watched(function, worlds))
-    for each in found:
-        each.decorator_list.append(ast.copy_location(ast.Name(_DECORATOR, ast.Load()), each))
-    code = compile(script.tree, str(path.absolute()), "exec", dont_inherit=True)
-    return script._replace(code=code)
+    for each in tree.body:
+        if isinstance(each, ast.FunctionDef) and _may_take_a_step(each):
+            each.decorator_list.append(ast.copy_location(ast.Name(_DECORATOR, ast.Load()), each))
 
 
 def _may_take_a_step(function: ast.FunctionDef) -> bool:
