@@ -48,6 +48,7 @@ class Channel:
         self._writing = RLock()
         if sys.platform != "win32":
             os.register_at_fork(after_in_child=self._unlock)
+        self._noted: set[str] = set()
         self.steps: list[float] = []
         self.changes: list[float] = []
 
@@ -56,6 +57,12 @@ class Channel:
         with self._writing:
             self.flush()
             self._write(MESSAGE, json.dumps({"kind": kind, **more}).encode())
+
+    def note(self, text: str) -> None:
+        """Report a workaround or an unknown fact, once."""
+        if text not in self._noted:
+            self._noted.add(text)
+            self.message(MessageKind.NOTE, text=text)
 
     def table(self, values: npt.NDArray[np.float64]) -> None:
         """Write a table, `[S·A]`, after its message."""

@@ -232,15 +232,7 @@ def main(said: dict[str, Any]) -> None:
     """Run the program described by `said` to its end."""
     channel = Channel(said["reports"])
     gate = Gate(channel, said["asked"], said["shared"])
-    recorder = Recorder(channel, gate, most=said["steps"], wanted=said["table"])
-
-    said_before: set[str] = set()
-
-    def note(text: str) -> None:
-        if text not in said_before:
-            said_before.add(text)
-            channel.message(MessageKind.NOTE, text=text)
-
+    recorder, note = Recorder(channel, gate, most=said["steps"], wanted=said["table"]), channel.note
     end_with(said["life"])
     if said["memory"] is not None:
         bound_memory(said["memory"])
@@ -250,10 +242,10 @@ def main(said: dict[str, Any]) -> None:
     offer_windows(note)
     making = Making(recorder, said["seed"])
     making.install()
-    offer_old_gym(making, note)
-    own_worlds = OwnWorlds(recorder, making, note)
+    offer_old_gym(making)
+    own_worlds = OwnWorlds(making)
     own_worlds.install()
-    boxes = BoxWorlds(recorder, making, note, said["table"], own_worlds.has_steps)
+    boxes = BoxWorlds(making, own_worlds.has_steps)
     boxes.install()
     own_worlds.may_take_over = boxes.table_steps.take_over
     seed_all(said["seed"])

@@ -190,7 +190,7 @@ class Recorder:
         """Number of steps."""
         self.resets = 0
         """Number of episodes begun, also those without a step."""
-        self._most, self._wanted = most, wanted
+        self._most, self.wanted = most, wanted
         self._tracker: TableTracker | None = None
         self._late_form: HeldTable | None = None
         """Form of the table given to `follow`."""
@@ -278,9 +278,8 @@ class Recorder:
         self._trace.stop()
         self.tell_rest()
         is_found = self._tracker is not None or self._late_form is not None
-        if not is_found and self._wanted is not None and self.count:
-            text = f"found no table named {self._wanted} where env.step was called"
-            self.channel.message(MessageKind.NOTE, text=text)
+        if not is_found and self.wanted is not None and self.count:
+            self.channel.note(f"found no table named {self.wanted} where env.step was called")
         self.channel.message(MessageKind.END, step=self.count)
 
     def tell_rest(self) -> None:
@@ -345,16 +344,15 @@ class Recorder:
     def _lose_table(self, tracker: TableTracker) -> list[float]:
         """Give up a table with an entry that is not a number. Another one may be found."""
         self._tracker, self._next_look = None, self.count + 1
-        text = f"{tracker.way.name()} now contains something that is not a number"
-        self.channel.message(MessageKind.NOTE, text=text)
+        self.channel.note(f"{tracker.way.name()} now contains something that is not a number")
         return []
 
     def _look_for_table(self, frame: FrameType | None, numbering: Numbering) -> None:
         self._next_look = self.count + 1 if self.count < _LOOKED_CLOSELY else int(self.count * _THEN_EVERY)
-        found = candidates(frame, numbering, self._wanted)
+        found = candidates(frame, numbering, self.wanted)
         if found:
-            others = candidates(frame, numbering, None) if self._wanted is not None else found
-            self._tracker = tracker_of(found, self._wanted, self._tell_pair, self._tell_own_changes)
+            others = candidates(frame, numbering, None) if self.wanted is not None else found
+            self._tracker = tracker_of(found, self.wanted, self._tell_pair, self._tell_own_changes)
             self._tell_table([each for each in others if each.value is not self._tracker.table])
             self._tell_numbers(frame)
         elif not self._turned_is_noted:
@@ -366,8 +364,9 @@ class Recorder:
         if turned is not None:
             self._turned_is_noted = True
             name, (rows, columns) = turned
-            text = f"{name} is {rows}×{columns}: did you mean {columns}×{rows} (states × actions)?"
-            self.channel.message(MessageKind.NOTE, text=text)
+            self.channel.note(
+                f"{name} is {rows}×{columns}: did you mean {columns}×{rows} (states × actions)?"
+            )
 
     def _tell_table(self, others: list[TableCandidate]) -> None:
         tracker = self._tracker

@@ -18,7 +18,6 @@ from rl_tui.programs.watched.child.boxes.table_steps import TableSteps
 from rl_tui.programs.watched.child.environments.making import Making, id_of
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.environments.watched_env import StepReports
-from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.search import rank
 from rl_tui.programs.watched.child.worlds.first_steps import FEW_STEPS, step_of
 from rl_tui.programs.watched.child.worlds.met import MOST_STATES, UnfitError
@@ -50,17 +49,10 @@ class _Pending:
 class BoxReports(LateReports, StepReports):
     """Reports the steps of an environment with `actions`, once a table is found."""
 
-    def __init__(
-        self,
-        env: gymnasium.Env[Any, Any],
-        recorder: Recorder,
-        making: Making,
-        note: Callable[[str], None],
-        wanted: str | None,
-    ) -> None:
+    def __init__(self, env: gymnasium.Env[Any, Any], making: Making) -> None:
         actions = int(env.action_space.n)
-        StepReports.__init__(self, -1, Numbering((MOST_STATES,), (0,), False, actions, 0), recorder)
-        LateReports.__init__(self, recorder, making, note, wanted)
+        StepReports.__init__(self, -1, Numbering((MOST_STATES,), (0,), False, actions, 0), making.recorder)
+        LateReports.__init__(self, making)
         self._name, self._lost = id_of(env), f"{id_of(env)} is no longer watched"
         self._time_limit = (0 if env.spec is None else env.spec.max_episode_steps) or 0
         self._candidates: dict[str, IndexedTable] = {}
@@ -204,19 +196,12 @@ class BoxReports(LateReports, StepReports):
 class BoxWorlds:
     """Watches the first environment whose observations have fractions, and others with its name."""
 
-    def __init__(
-        self,
-        recorder: Recorder,
-        making: Making,
-        note: Callable[[str], None],
-        wanted: str | None,
-        has_steps: Callable[[], bool],
-    ) -> None:
-        self._recorder, self._making, self._note, self._wanted = recorder, making, note, wanted
+    def __init__(self, making: Making, has_steps: Callable[[], bool]) -> None:
+        self._making = making
         self._name = ""
         self._reports: BoxReports | None = None
         self.sites = Sites()
-        self.table_steps = TableSteps(recorder, making, self._has_reports, has_steps, note, wanted)
+        self.table_steps = TableSteps(making, self._has_reports, has_steps)
 
     def install(self) -> None:
         """Watch environments from now on."""
@@ -228,7 +213,7 @@ class BoxWorlds:
         (self._reports or self.table_steps).finish()
 
     def _has_reports(self) -> bool:
-        return self._reports is not None or self._recorder.count > 0
+        return self._reports is not None or self._making.recorder.count > 0
 
     def _reports_of(self, env: gymnasium.Env[Any, Any]) -> BoxReports | None:
         name, actions = id_of(env), env.action_space
@@ -236,7 +221,7 @@ class BoxWorlds:
         if is_free and isinstance(actions, gymnasium.spaces.Discrete) and actions.start == 0:
             self.sites.begin()
             self._name = name
-            self._reports = BoxReports(env, self._recorder, self._making, self._note, self._wanted)
+            self._reports = BoxReports(env, self._making)
         return self._reports if self._name == name else None
 
     def _before_put(self, site: int) -> None:

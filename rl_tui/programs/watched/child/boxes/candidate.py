@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import prod
 from types import FrameType
@@ -13,7 +13,6 @@ import numpy as np
 
 from rl_tui.programs.watched.child.boxes.sites import Index, IndexSite, Sites
 from rl_tui.programs.watched.child.environments.making import Making
-from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.forms import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.keyed_table import form_of, sizes_of
 from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitError
@@ -52,12 +51,8 @@ class LateReports:
 
     _lost = "the table is no longer followed"
 
-    def __init__(
-        self, recorder: Recorder, making: Making, note: Callable[[str], None], wanted: str | None
-    ) -> None:
-        self._recorder, self._making, self._note = recorder, making, note
-        self._wanted = wanted
-        """Name of the table, if given by the user."""
+    def __init__(self, making: Making) -> None:
+        self._making, self._recorder, self._note = making, making.recorder, making.note
         self._table: IndexedTable | None = None
         self._pending: deque[Any] = deque()
         """Steps that are not reported yet."""
@@ -69,7 +64,7 @@ class LateReports:
 
     def wants(self, index: Index) -> bool:
         """Return True if this table may be followed."""
-        return self._wanted in (None, index.name, index.name.split(".")[-1])
+        return self._recorder.wanted in (None, index.name, index.name.split(".")[-1])
 
     def after_put(self, site: int, sites: Sites, frame: FrameType) -> None:
         """Compare the rows of an assignment."""

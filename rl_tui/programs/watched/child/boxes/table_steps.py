@@ -12,7 +12,6 @@ from typing import Final
 from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, LateReports, Seen
 from rl_tui.programs.watched.child.boxes.sites import IndexSite, Sites
 from rl_tui.programs.watched.child.environments.making import Making
-from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.keyed_table import shape_of
 from rl_tui.programs.watched.child.tables.search import rank
 from rl_tui.programs.watched.child.worlds.first_steps import FEW_STEPS
@@ -42,15 +41,9 @@ class TableSteps(LateReports):
     """Reports assignments to a table as steps, once it is known which index is the next state."""
 
     def __init__(
-        self,
-        recorder: Recorder,
-        making: Making,
-        has_reports: Callable[[], bool],
-        has_steps: Callable[[], bool],
-        note: Callable[[str], None],
-        wanted: str | None,
+        self, making: Making, has_reports: Callable[[], bool], has_steps: Callable[[], bool]
     ) -> None:
-        super().__init__(recorder, making, note, wanted)
+        super().__init__(making)
         self._has_reports, self._has_steps = has_reports, has_steps
         self._tables: dict[str, IndexedTable] = {}
         self._reads: dict[int, int] = {}

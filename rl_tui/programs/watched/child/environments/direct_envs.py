@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import gymnasium
 from gymnasium.utils import seeding
@@ -19,18 +19,6 @@ Given = tuple[tuple[Any, ...], dict[str, Any]]
 """Arguments of a call, without and with names."""
 Answer = Callable[[Any, str, Any], Any]
 """Returns the result of a method for the frame that called it."""
-
-
-class MetWorlds(Protocol):
-    """Watches worlds without spaces."""
-
-    def step(self, it: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
-        """Take a step of `it` for `frame`."""
-        ...
-
-    def reset(self, it: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
-        """Begin an episode of `it` for `frame`."""
-        ...
 
 
 def _as_it_is(frame: Any, method: str, result: Any) -> Any:
@@ -48,8 +36,8 @@ class DirectEnvs:
     ) -> None:
         self._announce, self._announce_again = announce, announce_again
         self.answer: Answer = _as_it_is
-        self.without_spaces: MetWorlds | None = None
-        """Watches environments without finite spaces."""
+        self.without_spaces: Mapping[str, Callable[[Any, Any, Callable[..., Any], Given], Any]] = {}
+        """Methods that watch environments without finite spaces, by "step" and "reset"."""
         self.more_methods: Mapping[str, Any] = {}
         """Further methods of Gymnasium's own classes."""
         self._classes: dict[type, type] = {}
@@ -84,9 +72,8 @@ class DirectEnvs:
         """Call `method` of `env` for `frame`, "step" or "reset"."""
         arguments, more = given
         reports = self._reports_of(env)
-        if reports is None and self.without_spaces is not None and _KEY in env.__dict__:
-            watched = getattr(self.without_spaces, method)
-            return watched(env, frame, original, given)
+        if reports is None and method in self.without_spaces and _KEY in env.__dict__:
+            return self.without_spaces[method](env, frame, original, given)
         has_action = method == "step" and len(arguments) + len(more) == 1
         if reports is None or reports.is_inside or reports.is_silent or not (has_action or method == "reset"):
             return original(env, *arguments, **more)

@@ -45,7 +45,7 @@ class Making:
     """Makes and numbers the environments of a program."""
 
     def __init__(self, recorder: Recorder, seed: int) -> None:
-        self._recorder, self._seed = recorder, seed
+        self.recorder, self.note, self._seed = recorder, recorder.channel.note, seed
         self._made = 0
         self._was_asked = False
         self._original: Make = registration.make
@@ -67,8 +67,8 @@ class Making:
 
     def tell_what_was_missed(self) -> None:
         """Report why nothing was seen of a finished program."""
-        if self._recorder.count == 0 and not (self._was_asked and self._made == 0):
-            self._note(_NO_STEP if self._made else _NO_ENVIRONMENT)
+        if self.recorder.count == 0 and not (self._was_asked and self._made == 0):
+            self.note(_NO_STEP if self._made else _NO_ENVIRONMENT)
 
     @property
     def is_inside(self) -> bool:
@@ -84,7 +84,7 @@ class Making:
 
     def tell_names(self, number: int, numbering: MetNumbering) -> None:
         """Report the names met so far."""
-        self._recorder.channel.message(
+        self.recorder.channel.message(
             MessageKind.NAMES,
             number=number,
             state_names=[str(numbering.key(each)) for each in numbering.met],
@@ -96,7 +96,7 @@ class Making:
         self._was_asked = True
         if more.get("render_mode") == "human":
             more["render_mode"] = None
-            self._note(_NO_RENDERING)
+            self.note(_NO_RENDERING)
         if Elsewhere.is_now:  # an environment that makes another one
             return self._original(*arguments, **more)
         with made_elsewhere():
@@ -111,7 +111,7 @@ class Making:
                 return WatchedEnv(env, reports, self._seed, self.direct.hand_out)
             spaces = f"{type(env.observation_space).__name__} observations"
             spaces += f" and {type(env.action_space).__name__} actions"
-            self._note(f"{id_of(env)} is not watched: it has {spaces}, which are not discrete")
+            self.note(f"{id_of(env)} is not watched: it has {spaces}, which are not discrete")
             return env
         return self._watched(env, numbering)
 
@@ -124,12 +124,12 @@ class Making:
             space, base, _ = registration.parse_env_id(name)
             newest = registration.find_highest_version(space, base)
             other = registration.get_env_id(space, base, newest)
-            self._note(f"{name} is not in this Gymnasium: {other} was made instead")
+            self.note(f"{name} is not in this Gymnasium: {other} was made instead")
             made = f"{module}:{other}" if module else other
             return self._original(made, *arguments[1:], **asked)
 
     def _watched(self, env: gymnasium.Env[Any, Any], numbering: Numbering) -> WatchedEnv:
-        reports = StepReports(self._made, numbering, self._recorder)
+        reports = StepReports(self._made, numbering, self.recorder)
         self._all.append(reports)
         self._made += 1
         seed = self._seed + reports.number
@@ -141,11 +141,11 @@ class Making:
         numbering = numbering_of(env)
         if getattr(env, "render_mode", None) == "human":
             env.render_mode = None
-            self._note(_NO_RENDERING)
+            self.note(_NO_RENDERING)
         if numbering is None:
             return None
         key = (type(env), numbering)
-        reports = StepReports(self._numbers.setdefault(key, self._made), numbering, self._recorder)
+        reports = StepReports(self._numbers.setdefault(key, self._made), numbering, self.recorder)
         if reports.number == self._made:
             self._all.append(reports)
             self._made += 1
@@ -176,7 +176,7 @@ class Making:
             table = transitions_of(inside.get("P"), numbering)
             if table is not None:
                 start = _start_of(inside.get("initial_state_distrib", inside.get("isd")), numbering)
-                self._recorder.channel.message(
+                self.recorder.channel.message(
                     MessageKind.TRANSITIONS, number=reports.number, P=table, start=start
                 )
 
@@ -190,7 +190,7 @@ class Making:
         time_limit: int = 0,
         wrappers: Sequence[str] = (),
     ) -> None:
-        self._recorder.channel.message(
+        self.recorder.channel.message(
             MessageKind.ENVIRONMENT,
             number=number,
             id=name,
@@ -204,10 +204,7 @@ class Making:
         )
 
     def _refuse_vectors(self, *_: Any, **__: Any) -> Any:
-        self._recorder.refuse(_VECTORS)
-
-    def _note(self, text: str) -> None:
-        self._recorder.channel.message(MessageKind.NOTE, text=text)
+        self.recorder.refuse(_VECTORS)
 
 
 def attributes_of_env(env: gymnasium.Env[Any, Any]) -> Mapping[str, Any]:

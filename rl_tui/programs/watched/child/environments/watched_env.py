@@ -13,7 +13,7 @@ import gymnasium
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import is_users_file
 from rl_tui.programs.watched.child.recorder import Recorder
-from rl_tui.programs.watched.messages import MessageKind, StepFlag
+from rl_tui.programs.watched.messages import StepFlag
 
 _TERMINATED, _TRUNCATED = int(StepFlag.TERMINATED), int(StepFlag.TRUNCATED)
 _STRANGE: Final = (
@@ -35,7 +35,6 @@ class StepReports:
         """True if another environment inside of this one reports its own steps."""
         self.state = 0
         self._episode = self._place = 0
-        self._is_strange = False
 
     def step(self, frame: Any, take: Callable[[Any], Any], action: Any) -> Any:
         """Take a step, once permitted, and report it."""
@@ -87,9 +86,7 @@ class StepReports:
             self.is_inside = False
 
     def _leave_out(self) -> None:
-        if not self._is_strange:
-            self._is_strange = True
-            self._recorder.channel.message(MessageKind.NOTE, text=_STRANGE)
+        self._recorder.channel.note(_STRANGE)
 
 
 def in_new_form(result: Any) -> tuple[Any, ...]:

@@ -43,17 +43,17 @@ _WRAPPERS: Final = {
 }
 
 
-def offer_old_gym(making: Making, note: Callable[[str], None]) -> None:
-    """Answer `import gym`, installed or not, and `note` it."""
-    gym = OldGym(making, note)
+def offer_old_gym(making: Making) -> None:
+    """Answer `import gym`, installed or not, and note it."""
+    gym = OldGym(making)
     sys.meta_path.insert(0, MadeModules(gym.has, gym.content))
 
 
 class OldGym:
     """The modules of `gym`. Most have the content of Gymnasium's under the old name."""
 
-    def __init__(self, making: Making, note: Callable[[str], None]) -> None:
-        self._making, self._note = making, note
+    def __init__(self, making: Making) -> None:
+        self._making = making
         self._own: Mapping[str, Callable[[], Mapping[str, Any]]] = {
             "gym": self._root,
             "gym.core": lambda: {"Env": gymnasium.Env, **_WRAPPERS},
@@ -72,7 +72,7 @@ class OldGym:
     def content(self, name: str) -> Mapping[str, Any]:
         """Return the names in a module. The first is noted."""
         if name == _OLD:
-            self._note(_NOTE)
+            self._making.note(_NOTE)
             self._begin()
         return {**(self._names_in(name) or {}), "__getattr__": partial(_inner_module, name)}
 

@@ -24,7 +24,6 @@ from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.environments.watched_env import is_with_information
 from rl_tui.programs.watched.child.errors import is_users_file
-from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.tables.search import attributes, candidates
 from rl_tui.programs.watched.child.worlds.first_steps import (
     FEW_STEPS,
@@ -89,8 +88,8 @@ class FunctionWorld:
 class OwnWorlds:
     """Watches the worlds of a program's own classes."""
 
-    def __init__(self, recorder: Recorder, making: Making, note: Callable[[str], None]) -> None:
-        self._recorder, self._making, self._note = recorder, making, note
+    def __init__(self, making: Making) -> None:
+        self._making, self._recorder, self._note = making, making.recorder, making.note
         self._kinds: dict[type, _Kind] = {}
         self._worlds: dict[int, _World] = {}
         self._functions: set[_Kind] = set()
@@ -112,7 +111,7 @@ class OwnWorlds:
             return made
 
         builtins.__build_class__ = building  # type: ignore[assignment]
-        self._making.direct.without_spaces = self
+        self._making.direct.without_spaces = {"step": self.step, "reset": self.reset}
 
     def step(self, it: Any, frame: Any, take: Callable[..., Any], given: Given) -> Any:
         """Take a step of `it` for `frame`."""
