@@ -6,8 +6,8 @@ import json
 import signal
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +33,8 @@ _STATES: Final = (1, 4)
 _EPISODE: Final = 6
 _MAY_BE_NULL: Final = ("line", "status", "stopped")
 _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
+
+Made = TypeVar("Made", "ProgramEnvironment", "FoundTable", "ProgramAgent", "ProgramError")
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,19 +231,7 @@ class ProgramLog:
             case MessageKind.ENVIRONMENT:
                 if len(said["states"]) != len(said["first_state"]) or min(said["states"], default=0) < 1:
                     raise ValueError("the observations are damaged")
-                self._take_environment(
-                    ProgramEnvironment(
-                        said["number"],
-                        said["id"],
-                        said["kwargs"],
-                        tuple(said["states"]),
-                        said["actions"],
-                        said["time_limit"],
-                        said["first_action"],
-                        tuple(said["first_state"]),
-                        tuple(said["wrappers"]),
-                    )
-                )
+                self._take_environment(_made(ProgramEnvironment, said, parts=tuple(said["states"])))
             case MessageKind.NAMES:
                 self._take_names(said["number"], said["state_names"], said["action_names"])
             case MessageKind.OWN_ENDS:
@@ -249,16 +239,7 @@ class ProgramLog:
             case MessageKind.TABLE:
                 if len(said["others"]) != len(said["other_forms"]):
                     raise ValueError("the tables are damaged")
-                self.table = FoundTable(
-                    said["name"],
-                    said["form"],
-                    tuple(said["shape"]),
-                    said["dtype"],
-                    tuple(said["others"]),
-                    tuple(said["other_forms"]),
-                    said.get("file", ""),
-                    said.get("line"),
-                )
+                self.table = _made(FoundTable, said)
                 self._found_at, self._found_actions = said["step"], said["actions"]
                 if said["shared"]:
                     self.shared_at = said["step"]
@@ -284,7 +265,7 @@ class ProgramLog:
                 for file, line, count in said["lines"]:
                     self.lines[file, line] = self.lines.get((file, line), 0) + count
             case MessageKind.AGENT:
-                self.agent = ProgramAgent(said["name"], said["style"], said["done_is_either"])
+                self.agent = _made(ProgramAgent, said)
                 self.called.setdefault("step", (said["file"], said["line"]))
             case MessageKind.OUTPUT:
                 self._take_output(said)
@@ -302,9 +283,7 @@ class ProgramLog:
             case MessageKind.REFUSED:
                 self.refused = said["text"]
             case MessageKind.ERROR:
-                self.error = ProgramError(
-                    said["type"], said["text"], said["file"], said["line"], said["traceback"]
-                )
+                self.error = _made(ProgramError, said)
             case MessageKind.END:
                 self.ended = True
             case MessageKind.GONE:
@@ -356,6 +335,13 @@ class ProgramLog:
         return f"rl-tui could not start its own part of the process; this is not a bug of the script{why}"
 
 
+def _made(kind: type[Made], said: Mapping[str, Any], **more: Any) -> Made:
+    """Return an object of `kind`, whose fields have the names of those in a message."""
+    given = {each.name: said[each.name] for each in fields(kind) if each.name in said}
+    lists = {name: tuple(value) for name, value in given.items() if isinstance(value, list)}
+    return kind(**{**given, **lists, **more})
+
+
 def _death_in_words(status: int) -> str:
     if status > 0:
         return f"the program ended at once, by os._exit({status})"
@@ -388,7 +374,7 @@ _FITS: Final[Mapping[str, Callable[[Any], bool]]] = {
         ("number", "actions", "time_limit", "heard"), lambda value: _is_whole(value) and value >= 0
     ),
     **dict.fromkeys(("first_action", "step", "line", "status"), _is_whole),
-    **dict.fromkeys(("id", "name", "form", "dtype", "text", "type", "file", "traceback"), _is_text),
+    **dict.fromkeys(("id", "name", "other", "form", "dtype", "text", "type", "file", "traceback"), _is_text),
     **dict.fromkeys(("method", "stream", "style", "stopped"), _is_text),
     **dict.fromkeys(("states", "shape", "first_state"), lambda value: _is_list(value, _is_whole)),
     **dict.fromkeys(("others", "other_forms", "wrappers"), lambda value: _is_list(value, _is_text)),
