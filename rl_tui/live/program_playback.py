@@ -59,7 +59,6 @@ REFUSED: Final[Mapping[type[commands.Command], str]] = {
     **dict.fromkeys((commands.UndoStroke, commands.RedoStroke, commands.AskCheck), _NOT_AVAILABLE),
     **dict.fromkeys((commands.KeepLesson, commands.WatchProgram), _NOT_AVAILABLE),
 }
-"""Why a command does not apply to a watched program."""
 
 
 def _refuse(playback: ProgramPlayback, command: commands.Command) -> None:
@@ -123,10 +122,8 @@ class ProgramPlayback(Playback):
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.lead = ProgramRun(program, on_exact, automatic=automatic)
-        """The run of the program."""
         super().__init__(self.lead.usual, speed=speed, automatic=automatic, clock=clock, on_exact=on_exact)
         self.restarts = Restarts(ProgramFile(program.request.path, clock), self._go_over_to)
-        """Restarts the program."""
         self._on_news = on_exact
         self._owed = 0  # steps requested that have not arrived
         self._is_closed = False

@@ -70,39 +70,28 @@ class ProgramRun:
     ) -> None:
         self.run = self
         self.program = program
-        """The watched program."""
         self.history = ProgramHistory(program.log.recording, program.world)
-        """Its recorded history."""
         self.verdicts = Verdicts(on_news, automatic=automatic)
-        """Results of the diagnosis."""
         self.usual = usual_recipe(program.world, program.request.seed)
         """Default recipe of its world."""
         self.edited = edited or EditedWorld(program.world.world)
-        """Its world."""
         self.world = self.edited.world
-        """The same, without edits."""
         self.verdict = self.verdicts.newest
         """The verdict that the agent's settings follow."""
         self.begun_at: int | None = None
         """Step at which an episode was sought by its beginning."""
         self.step = 0
-        """The shown step."""
         self.found: Found
-        """What is known about its learning."""
         self.recipe: Recipe
         """Its world and seed, with what is known about its learning."""
         self.learner: ProgramLearner
-        """Its agent at the shown step."""
         self.unknown_policies: Mapping[PolicyKind, str] = _NO_TABLE
-        """Policies without values, each with the reason."""
         self.events = NOTHING_NOTICED
         """Watched events of the last step, if it rests after it."""
         self.noticed = False
-        """True if there are any."""
         self.over = False
         """True if it has ended, and its last step is shown."""
         self.message = ""
-        """Why it has ended, as a sentence, empty if it has not."""
         self._watching = Watching()
         self._is_to_arm = False  # new events to stop at, once it rests
         self._last_episode: int | None = None  # number of finished episodes at which it stops
@@ -130,10 +119,7 @@ class ProgramRun:
         self.message = self._why_over() if self.over else ""
 
     def examine(self, *, is_still: bool) -> bool:
-        """Start a verdict when due, or if the program `is_still`. Return True for a new one.
-
-        After a new finding, lines of code are requested again, because earlier ones may be from another part.
-        """
+        """Start a verdict when due, or if the program `is_still`. Return True for a new one."""
         self.verdicts.look(self.program.log, is_still=is_still)
         newest = self.verdicts.newest
         if newest is self.verdict:

@@ -16,9 +16,7 @@ class ProgramView:
     title: str
     """Name of the file, and of the class for an agent."""
     environment: str
-    """Id of the shown environment."""
     table: FoundTable | None = None
-    """The table that was found."""
     table_from: int = 0
     """Step at which the table was found. It is 0 if that step is in the past."""
     wanted: str = ""
@@ -26,17 +24,13 @@ class ProgramView:
     looked_for: tuple[str, ...] = ()
     """If no table was found: the kinds of tables that were searched for, one per line."""
     verdict: ProgramVerdict = field(default_factory=ProgramVerdict)
-    """The update rule and the findings so far."""
     output: tuple[OutputLine, ...] = ()
     """Last lines of output, oldest first."""
     notes: tuple[str, ...] = ()
     """Workarounds that were necessary to run it."""
     error: ProgramError | None = None
-    """The exception that it raised, if any."""
     ended: bool = False
-    """True if it has ended."""
     refused: str = ""
-    """Reason why it cannot be watched, else ""."""
     reloaded: str = ""
     """After the file was saved: a sentence that compares the new run with the old one, usually empty."""
     source: tuple[str, ...] = field(default=())
@@ -44,7 +38,6 @@ class ProgramView:
     notebook: Notebook | None = None
     """The notebook that was read, or None for a script."""
     path: str = ""
-    """Path of the file."""
     gamma: float | None = None
     """γ of the exact answers, or None if the world has no exact answers."""
     gamma_source: str = ""

@@ -59,8 +59,7 @@ _VISITS: Final[Mapping[CountedVisits, str]] = {
 }
 
 
-def note_on_two_tables(evidence: Evidence, table: FoundTable) -> tuple[str, ...]:
-    """Describe two tables that are shown as one."""
+def _note_on_two_tables(evidence: Evidence, table: FoundTable) -> tuple[str, ...]:
     if not evidence.is_pair:
         return ()
     name, other = one_line(table.name, _LONGEST), one_line(table.other, _LONGEST)
@@ -104,7 +103,7 @@ def notes_on(evidence: Evidence, update: UpdateFound) -> Iterator[str]:
         yield "The table has the type float16, so estimates have only three digits."
 
 
-def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
+def _note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
     """Describe steps in environments of other sizes."""
     if log.table is None or log.recording.initial is None:
         return ()
@@ -200,11 +199,10 @@ def findings_of(
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
     hidden = frozenset().union(*(_HIDDEN_BY.get(proof.fault, frozenset()) for proof in enough))
     findings = tuple(_finding(proof, code) for proof in enough if proof.fault not in hidden)
-    return findings, (*note_on_two_tables(evidence, table), *notes)
+    return findings, (*_note_on_two_tables(evidence, table), *notes)
 
 
-def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
-    """Return the findings about an agent without a table."""
+def _findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
     if log.agent is None:
         return ()
     code = program_code(log)
@@ -233,7 +231,7 @@ def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
 def verdict_of(log: ProgramLog) -> ProgramVerdict:
     """Return the verdict, which claims only what steps prove."""
     if log.table is None or log.recording.initial is None:
-        return ProgramVerdict(findings=findings_without_table(log))
+        return ProgramVerdict(findings=_findings_without_table(log))
     with np.errstate(all="ignore"):  # a user's table may contain anything
         evidence = Evidence(log.recording, log.numbers, log.table.dtype)
         update = update_of(evidence)
@@ -242,4 +240,4 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
         risk = risk_of_choices(evidence, log, names_of(code, log.table, update, log.numbers))
         exploration = exploration_of(evidence, update)
     suspected = None if risk is None else SuspectedRisk(_finding(risk.proof, code), risk.luck)
-    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)), suspected, exploration)
+    return ProgramVerdict(update, findings, (*notes, *_note_on_other_worlds(log)), suspected, exploration)

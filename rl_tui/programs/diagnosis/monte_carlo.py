@@ -17,7 +17,6 @@ AT_ENDS: Final = 0.9
 """Share of changes at ends of episodes, in cells taken there."""
 _MOST_STEPS: Final = 40_000
 _LONGEST: Final = 400
-"""Longest episode in use, in steps."""
 _USUAL: Final = (1.0, 0.9, 0.95, 0.98, 0.99, 0.999)
 _TELLING: Final = 1e-6
 """Least distance of an estimate from a return that counts."""
@@ -101,7 +100,6 @@ class _Episodes:
         return 0.0 if self._falls(size, telling) else None
 
     def _falls(self, size: FloatArray, telling: BoolArray) -> bool:
-        """Return True if 1/size is whole and grows with each change of a cell."""
         count = 1.0 / size
         whole = self._are_whole(count)
         if np.mean((whole & (count > 0.5))[telling]) <= SHARE:
@@ -187,7 +185,6 @@ class _Episodes:
         }
 
     def _are_new(self, predicted: FloatArray, returns: FloatArray) -> BoolArray:
-        """Return True where `predicted`, `[m]`, is the estimate after the change."""
         size = np.maximum(np.abs(self._old), np.abs(returns[self._begin]))
         are_new: BoolArray = np.abs(predicted - self._new) <= self._near * np.maximum(size, 1e-280)
         return are_new

@@ -24,7 +24,6 @@ _OTHERS: Final = 2_000
 _RUN: Final = 40
 """Length of chosen runs of steps. Some hypotheses compare steps of one episode or cell."""
 _MOST_CELLS: Final = 2_000_000
-"""Most cells read for the maxima of columns."""
 _MOST_CELLS_OF_A_SAMPLE: Final = 400_000
 
 
@@ -99,7 +98,6 @@ class ReadEstimates:
         return values if values.ndim == 2 else values[:, None]
 
     def _with_column(self) -> IntArray:
-        """Return the steps for which the maximum of a column is computed."""
         return np.arange(len(self))[: _MOST_CELLS // max(self.evidence.states, 1)]
 
 

@@ -37,10 +37,7 @@ def rounded(numbers: FloatArray, digits: int) -> FloatArray:
 
 
 def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float, ...]]:
-    """Return the most frequent of `rows`, `[n, k]` with k ≤ 3, as medians of rows with equal `digits`.
-
-    Very long input is thinned evenly.
-    """
+    """Return the most frequent of `rows`, `[n, k ≤ 3]`, or of some, as medians of equal rounded ones."""
     rows = rows[np.isfinite(rows).all(1)]
     if not len(rows):
         return []
@@ -248,12 +245,11 @@ def constant_trial(
     for a, b in found:
         gamma = 0.0 if np.isnan(b) else b / a
         first = Trial(sample, target, reward, value, a, gamma, uses_reward_before=uses_reward_before)
-        trials.append(polished(first))
+        trials.append(_polished(first))
     return min(trials, key=lambda trial: trial.unexplained, default=None)
 
 
-def polished(trial: Trial) -> Trial:
-    """Refine the constant step size and γ of `trial`."""
+def _polished(trial: Trial) -> Trial:
     sample, evidence = trial.sample, trial.sample.evidence
     if evidence.precision > EXACT:  # the pairs gave three digits
         near = np.abs(sample.change - trial.predicted) <= np.maximum(
@@ -288,10 +284,7 @@ _FEWEST_PAIRS: Final = 20
 
 
 def by_episode(sample: Sample, target: UpdateTarget) -> Trial | None:
-    """Return the trial with a constant step size in each episode, if any.
-
-    γ is solved from neighbours, which share their step size.
-    """
+    """Return the trial with a constant step size in each episode, if any. Neighbours share it, and give γ."""
     value, unit = sample.next_value(target), sample.unit
     moved = np.flatnonzero(np.abs(sample.change) > 30 * sample.slack)
     episode = sample.evidence.episode[sample.at][moved]

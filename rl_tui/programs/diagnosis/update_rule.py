@@ -41,8 +41,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 _SINGULAR: Final = 1e-5
 
 
-def expected_trial(sample: Sample) -> Trial | None:
-    """Return the best trial of Expected SARSA, if α, γ and ε are determined."""
+def _expected_trial(sample: Sample) -> Trial | None:
     inner = np.flatnonzero((sample.change != 0.0) & ~sample.ended)
     mean: FloatArray = sample.rows.mean(1)
     telling = inner[np.abs(sample.best - mean)[inner] > 100 * sample.slack[inner]]
@@ -99,7 +98,7 @@ def _with_own_epsilons(sample: Sample, mean: FloatArray, alpha: float, gamma: fl
 # A reward of the program's own
 
 
-def own_reward_trial(sample: Sample, target: UpdateTarget) -> Trial | None:
+def _own_reward_trial(sample: Sample, target: UpdateTarget) -> Trial | None:
     """Return the best trial with a reward that is a function of (s, a, s′, r), if any."""
     value = sample.next_value(target)
     group = _transitions(sample)
@@ -158,7 +157,6 @@ RULE_OF: Final = {
     UpdateTarget.OTHER_BEST: Rule.DOUBLE_Q,
     UpdateTarget.OTHERS_CHOICE: Rule.DOUBLE_Q,
 }
-"""The rule that each target belongs to."""
 _RIGHT: Final = (UpdateTarget.BEST, UpdateTarget.NEXT_ACTION)
 _OF_TWO_TABLES: Final = (
     UpdateTarget.BEST_BY_OTHER,
@@ -174,10 +172,7 @@ _WRONG: Final = (UpdateTarget.COLUMN, UpdateTarget.OWN_STATE, UpdateTarget.INDEX
 
 @np.errstate(all="ignore")  # a failed division is NaN, and is no evidence
 def update_of(evidence: Evidence) -> UpdateFound:
-    """Find the update that explains `evidence`.
-
-    The search takes a bounded choice of steps, to which `departs_at` and `informative` refer in a long run.
-    """
+    """Find the update that explains a bounded choice of steps."""
     moved = evidence.changes_of > 0
     if not moved.any():
         return UpdateFound(reason="No number of the table has changed yet.")
@@ -252,7 +247,7 @@ def _constant(sample: Sample) -> Iterator[Trial]:
 
 def _faulty(sample: Sample) -> Iterator[Trial]:
     for target in _RIGHT:
-        trial = own_reward_trial(sample, target)
+        trial = _own_reward_trial(sample, target)
         if trial:
             yield trial
     if sample.place is not MovedCell.ONE_LATE:
@@ -263,7 +258,7 @@ def _faulty(sample: Sample) -> Iterator[Trial]:
 
 
 def _varying(sample: Sample) -> Iterator[Trial]:
-    trial = expected_trial(sample)
+    trial = _expected_trial(sample)
     if trial:
         yield trial
     for target in _RIGHT:
@@ -276,7 +271,7 @@ def _of_two_tables(sample: Sample) -> Iterator[Trial]:
     right = _OF_TWO_TABLES[0]
     trials = [constant_trial(sample, each, sample.reward) for each in _OF_TWO_TABLES]
     if not any(trial and trial.holds for trial in trials):
-        trials = [find(sample, right) for find in (by_visits, by_episode, own_reward_trial)]
+        trials = [find(sample, right) for find in (by_visits, by_episode, _own_reward_trial)]
     yield from (trial for trial in trials if trial)
 
 

@@ -13,7 +13,6 @@ from rl_tui.programs.evidence.verdict import ProgramVerdict
 from rl_tui.programs.watched.program_log import ProgramLog
 
 EVERY: Final = 1.0
-"""Seconds between two verdicts on a running program."""
 NOT_EXAMINED: Final = "your program could not be examined, because of a bug in rl-tui"
 _LONGEST: Final = 300
 _REST: Final = 4.0
@@ -28,7 +27,6 @@ class Verdicts:
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
         self.newest = ProgramVerdict()
-        """The newest verdict."""
         self._on_news = on_news
         self._automatic = automatic
         self._judged: tuple[int, ...] = ()  # amount of evidence at the last verdict

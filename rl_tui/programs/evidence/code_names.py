@@ -38,7 +38,6 @@ _USUAL: Final = {
 DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
 """Common names of γ, the most frequent first."""
 DISCOUNT: Final = re.compile(r"gamma|discount|γ|^(g|df)$", re.IGNORECASE)
-"""Any name of γ."""
 EPSILONS: Final = ("epsilon", "eps", "ε", "exploration_rate", "explore_rate", "exploration_prob")
 """Common names of ε, the most frequent first."""
 _SHOULD_READ: Final = {
@@ -52,7 +51,6 @@ _RETURNED: Final = ("next_state", "reward", "terminated")
 _AGENT: Final = "agent"
 """Name of an agent without its own loop in our loop."""
 _LONGEST: Final = 40
-"""Longest name in characters."""
 _NEAR: Final = 1e-9
 
 

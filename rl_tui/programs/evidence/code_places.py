@@ -55,10 +55,7 @@ _READING: Final = frozenset(
 def only_reads(
     function: _Function, functions: Mapping[str, _Function], table: str, depth: int = _DEEPEST
 ) -> bool:
-    """Return True if `function`, with those it calls, certainly writes to no table.
-
-    Without the table's name ("") it may store nothing at all.
-    """
+    """Return True if `function`, with those it calls, certainly writes to no table, or to none at all."""
     return all(
         _is_harmless(node, functions, table, depth) for part in function.body for node in ast.walk(part)
     )

@@ -28,7 +28,7 @@ def order_by(keys: IntArray) -> IntArray:
     return order
 
 
-class TableHistory:
+class _TableHistory:
     """The table at any moment. `initial`, `[S·A]`, has no NaN, and `span` exceeds any step."""
 
     def __init__(self, initial: FloatArray, changes: ChangeColumns, span: int) -> None:
@@ -51,7 +51,7 @@ class TableHistory:
         return value
 
 
-class PairHistory(TableHistory):
+class _PairHistory(_TableHistory):
     """Two tables. `table`, `[N]`, is the one of each step from `first` on. Cells of the second count from
     `cells`.
     """
@@ -103,7 +103,7 @@ class Evidence:
         first = int(self.number[0]) if len(self) else 0
         self.initial, self.changes = _settled(recording, self.cell, first)
         self.table: IntArray = np.zeros(len(self), np.int64)
-        self.history = TableHistory(self.initial, self.changes, recording.count + 2)
+        self.history = _TableHistory(self.initial, self.changes, recording.count + 2)
         if self.is_pair:
             self._divide(first)
 
@@ -120,7 +120,7 @@ class Evidence:
         at = (changes.step - first).clip(0, max(len(self) - 1, 0))
         if len(self):
             self.table[at] = changes.cell // cells
-        self.history = PairHistory(self.initial, changes, self.recording.count + 2, self.table, first)
+        self.history = _PairHistory(self.initial, changes, self.recording.count + 2, self.table, first)
         self.initial, self.changes = self.initial[:cells], changes._replace(cell=changes.cell % cells)
 
     def _neighbours(self) -> tuple[IntArray, IntArray]:
@@ -275,7 +275,7 @@ class Evidence:
 
     def other_rows(self, state: IntArray, at: IntArray) -> FloatArray:
         """Return the rows of the other one of two tables."""
-        assert isinstance(self.history, PairHistory)
+        assert isinstance(self.history, _PairHistory)
         return self.history.before(*self._cells_of(state, at), of_other=True)
 
 

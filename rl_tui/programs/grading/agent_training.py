@@ -58,13 +58,10 @@ from rl_tui.worlds.world import World
 
 
 GIVEN: Final = ("alpha", "gamma", "epsilon", "epsilon_decay", "epsilon_min", "initial_q")
-"""Hyperparameters that an agent can receive."""
 
 
 def place_of_agent(agent: AgentName) -> AgentPlace:
-    """Return the position of `agent` in its file. Raises UserError if there is none, or several, or the file
-    learns when imported.
-    """
+    """Return the place of `agent`. Raises UserError unless there is one that does not learn on import."""
     tree = read_script(agent.path).tree
     place = the_agent(tree, agent.path, agent.name)
     if runs_when_imported(tree):
@@ -141,7 +138,6 @@ class EpisodeRecording(Recording):
         super().__init__()
         self.visits: IntArray = np.zeros(states * actions, np.int64)
         self.episodes = 0
-        """Number of finished episodes."""
         self.first_reward_episode = NEVER
         """First episode, from 1, with a reward other than 0."""
         self._width = actions
@@ -218,7 +214,6 @@ class AgentRuns:
     ) -> None:
         self.name, self.place, self.recipe, self.given = name, place, recipe, given
         self.first_seed = recipe.seed
-        """First seed."""
         self._world = None if recipe.scenario.section.drawn_from_seed else begin(recipe).world
         self._solving = threading.Lock()
         self._optima: list[Solution | None] = []  # solution of a shared world, once known

@@ -74,10 +74,7 @@ def error_of(log: ProgramLog) -> ProgramError | None:
 
 
 def learned_figures(log: ProgramLog, gamma: float | None) -> LearnedFigures:
-    """Return exact results of a table, with ties shared equally.
-
-    All are None without a transition table or above 50,000 states.
-    """
+    """Return exact results of a table of at most 50,000 states, with ties shared equally."""
     from rl_tui.agents.exact.policy_figures import expected_return, figures, greedy_policy
     from rl_tui.agents.exact.solve import best_expected_return
     from rl_tui.common.errors import UserError

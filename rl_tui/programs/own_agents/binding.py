@@ -221,8 +221,7 @@ def role_of(name: str) -> str:
     return _ROLE_OF.get(small) or _WITHOUT_UNDERSCORES.get(small.replace("_", ""), "")
 
 
-def signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
-    """Return the signature of the agent's `name`. Raises UserError if it has none."""
+def _signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
     try:
         return inspect.signature(called)
     except (TypeError, ValueError) as fault:
@@ -237,7 +236,7 @@ def bound_roles(
     A default is kept if the role is not in `known`, or is in `left_to_defaults`.
     """
     known, roles, unknown = frozenset(known), dict[str, str](), []
-    for parameter in signature_of(called, name).parameters.values():
+    for parameter in _signature_of(called, name).parameters.values():
         role, has_default = role_of(parameter.name), parameter.default is not inspect.Parameter.empty
         if role in known and parameter.kind in _NAMED and not (has_default and role in left_to_defaults):
             roles[parameter.name] = role
@@ -278,7 +277,7 @@ def constructor_arguments(
         defaults: Numbers by role for parameters without a default.
     """
     values, unknown = dict[str, Any](), []
-    parameters = signature_of(called, name).parameters
+    parameters = _signature_of(called, name).parameters
     for parameter in parameters.values():
         role, has_default = role_of(parameter.name), parameter.default is not inspect.Parameter.empty
         if parameter.kind is inspect.Parameter.VAR_KEYWORD:

@@ -28,7 +28,6 @@ from rl_tui.programs.own_agents.binding import (
 )
 
 _DEEPEST: Final = 8
-"""Most levels of base classes."""
 _MOST_NAMED: Final = 6
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
 _DEFINITIONS: Final = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)

@@ -58,7 +58,7 @@ class AgentPlayer(ABC):
         """End the episode `episode`, from 0."""
 
 
-class LegalActions:
+class _LegalActions:
     """Berkeley's `actionFn`: the actions of the current state, () after the end."""
 
     def __init__(self, actions: int) -> None:
@@ -71,16 +71,15 @@ class LegalActions:
         return () if state == self._ended_in else self._known.get(state, self._all)
 
     def enter(self, state: int, mask: Mask, *, terminated: bool = False) -> None:
-        """Record that the agent is in `state`."""
         self._ended_in = state if terminated else None
         if mask is not None and not terminated:
             self._known[state] = tuple(np.flatnonzero(mask).tolist())
 
 
-class MethodsPlayer(AgentPlayer):
+class _MethodsPlayer(AgentPlayer):
     """An object with methods to choose and to learn. It may ask `legal` for the available actions."""
 
-    def __init__(self, agent: Any, shape: AgentShape, env: Any, legal: LegalActions) -> None:
+    def __init__(self, agent: Any, shape: AgentShape, env: Any, legal: _LegalActions) -> None:
         self._env, self._either, self._legal = env, shape.done_is_either, legal
         self._choose = bind(getattr(agent, shape.choose), shape.choose, shape.roles[shape.choose])
         update = getattr(agent, shape.update)
@@ -93,12 +92,10 @@ class MethodsPlayer(AgentPlayer):
         self._episode = 0
 
     def begin(self, state: int, mask: Mask) -> Any:
-        """Choose the first action."""
         self._legal.enter(state, mask)
         return self._choose({"env": self._env, "state": state, "episode": self._episode})
 
     def after(self, step: Happened) -> Any:
-        """Learn and choose."""
         self._legal.enter(step.next_state, step.mask, terminated=step.terminated)
         over = step.terminated or step.truncated
         given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
@@ -110,13 +107,12 @@ class MethodsPlayer(AgentPlayer):
         return None if over else self.begin(step.next_state, step.mask)
 
     def end(self, episode: int) -> None:
-        """Decay ε."""
         if self._decay is not None:
             self._decay({"episode": episode})
         self._episode = episode + 1
 
 
-class GluePlayer(AgentPlayer):
+class _GluePlayer(AgentPlayer):
     """An agent in RL-Glue's shape. `agent_end` is called only after a terminal step."""
 
     def __init__(self, agent: Any) -> None:
@@ -127,21 +123,17 @@ class GluePlayer(AgentPlayer):
         )
 
     def begin(self, state: int, mask: Mask) -> Any:
-        """Choose the first action."""
         return self._start({"state": state})
 
     def after(self, step: Happened) -> Any:
-        """Learn and choose."""
         if step.terminated:
             return self._end({"reward": step.reward})
         # also at a truncation, so that the last step is learned; the returned action is never taken
         return self._step({"reward": step.reward, "state": step.next_state})
 
 
-class FunctionPlayer(AgentPlayer):
-    """An ε-greedy policy with random ties around a function, which updates the table `q`, `[S, A]`, or
-    returns another.
-    """
+class _FunctionPlayer(AgentPlayer):
+    """An ε-greedy policy around a function that updates the table `q`, `[S, A]`, or returns another."""
 
     def __init__(
         self, update: Callable[..., Any], name: str, shape: tuple[int, int], settings: GivenSettings
@@ -157,7 +149,6 @@ class FunctionPlayer(AgentPlayer):
         self._epsilon = numbers["epsilon"]
 
     def begin(self, state: int, mask: Mask) -> int:
-        """Choose the first action."""
         legal = self._all if mask is None or not mask.any() else np.flatnonzero(mask).tolist()
         if self._random.random() < self._epsilon:
             return self._random.choice(legal)
@@ -167,7 +158,6 @@ class FunctionPlayer(AgentPlayer):
         return self._random.choice(ties)
 
     def after(self, step: Happened) -> Any:
-        """Learn and choose."""
         ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
         given = {"q": self.q, "done": step.terminated, "next_action": ahead}
         values = {**step._asdict(), **self._numbers, **given}
@@ -177,7 +167,6 @@ class FunctionPlayer(AgentPlayer):
         return self.begin(step.next_state, step.mask) if ahead is None else ahead
 
     def end(self, episode: int) -> None:
-        """Decay ε."""
         least, decay = self._numbers.get("epsilon_min", 0.0), self._numbers.get("epsilon_decay", 0.0)
         if decay > 0.0:
             start = self._numbers["epsilon"]
@@ -188,7 +177,6 @@ class FunctionPlayer(AgentPlayer):
 
 
 _IN_INFO: Final = frozenset({"alpha", "gamma", "epsilon"})
-"""Numbers in RL-Glue's `agent_info`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,13 +210,11 @@ class ReadyAgent(NamedTuple):
 
 
 def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings) -> ReadyAgent:
-    """Make the agent for `env`. Raises UserError for unbound parameters, and any exception of the
-    constructor.
-    """
+    """Make the agent. Raises UserError for unbound parameters, and any exception of the constructor."""
     sizes = int(env.observation_space.n), int(env.action_space.n)
     if place.style == Style.FUNCTION:
         return _of_function(built, place.name, sizes, settings)
-    shape, legal = place.shape, LegalActions(sizes[1])
+    shape, legal = place.shape, _LegalActions(sizes[1])
     surroundings = {
         "env": env,
         "action_space": env.action_space,
@@ -250,12 +236,12 @@ def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings
         if hasattr(agent, "agent_init"):
             bind(agent.agent_init, "agent_init", shape.roles["agent_init"])(surroundings)
             unused -= _IN_INFO
-        return ReadyAgent(agent, GluePlayer(agent), unused)
-    return ReadyAgent(agent, MethodsPlayer(agent, shape, env, legal), unused)
+        return ReadyAgent(agent, _GluePlayer(agent), unused)
+    return ReadyAgent(agent, _MethodsPlayer(agent, shape, env, legal), unused)
 
 
 def _of_function(update: Any, name: str, sizes: tuple[int, int], settings: GivenSettings) -> ReadyAgent:
-    function = FunctionPlayer(update, name, sizes, settings)
+    function = _FunctionPlayer(update, name, sizes, settings)
     taken = bound_roles(update, name, FUNCTION.roles[""]).values()
     return ReadyAgent(function, function, frozenset(settings.given) & {"alpha", "gamma"} - set(taken))
 

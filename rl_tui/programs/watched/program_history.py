@@ -25,9 +25,7 @@ PIECE: Final = 20_000
 _TIES: Final = "random"  # a program's choice among ties is unknown, so they are shared equally
 
 
-class UnderWay(NamedTuple):
-    """An unfinished episode: its number, return and length so far."""
-
+class _UnderWay(NamedTuple):
     episode: int
     earned: float
     length: int
@@ -54,7 +52,7 @@ class ProgramState:
         self._changes_until = 0  # the table includes changes of earlier steps
         self._q: FloatArray | None = None  # until the table changes
         self._greedy: GreedyEarnings | None = None  # the same
-        self._under_way: dict[int, UnderWay] = {}  # by environment
+        self._under_way: dict[int, _UnderWay] = {}  # by environment
         self._history = History()
         mdp = world.world.mdp
         self._greedy_return = GreedyReturn(lambda: mdp)
@@ -141,10 +139,7 @@ class ProgramState:
         self.step = stop
 
     def ends_until(self, stop: int) -> list[int]:
-        """Return the step at which each episode ends, from here to `stop`.
-
-        This changes unfinished episodes, so call it on a copy.
-        """
+        """Return the step at which each episode ends, up to `stop`. Call it on a copy, which it changes."""
         steps = steps_between(self.recording, self.step, stop)
         return [self.step + place + 1 for place, _, _ in self._finished(steps)]
 
@@ -166,7 +161,7 @@ class ProgramState:
             has_ended = bool(ended[last - 1])
             if has_ended:
                 found.append((int(order[last - 1]), earned, length))
-            self._under_way[environment] = UnderWay(number, earned, length, has_ended)
+            self._under_way[environment] = _UnderWay(number, earned, length, has_ended)
         return sorted(found)
 
 

@@ -25,7 +25,6 @@ from rl_tui.programs.watched.messages import (
 from rl_tui.programs.watched.recording import Recording
 
 MOST_OUTPUT: Final = 2_000
-"""Most lines of output."""
 GARBLED: Final = "data from the program is damaged: something else wrote into rl-tui's pipe"
 _COUNTED: Final = (0, 2, 5, 6, 7)
 """Integer columns of steps, other than states."""
@@ -85,7 +84,6 @@ class FoundTable:
     """NumPy's name, or "" for Python numbers."""
     others: tuple[str, ...] = ()
     other_forms: tuple[str, ...] = ()
-    """Form of each of `others`."""
     file: str = ""
     line: int | None = None
     """Line that made it, if known."""
@@ -144,7 +142,6 @@ class ProgramLog:
     output: deque[OutputLine] = field(default_factory=lambda: deque(maxlen=MOST_OUTPUT))
     notes: list[str] = field(default_factory=list)
     refused: str = ""
-    """Reason why it cannot be watched, else ""."""
     error: ProgramError | None = None
     waiting_at: int | None = None
     """Step at which it waits, or None."""
@@ -205,7 +202,6 @@ class ProgramLog:
             self.error = self.error or ProgramError("Garbled", GARBLED)
 
     _states: int = 0
-    """Most states of an environment."""
     _found_at: int = 0
     _found_actions: int = 0
     _unfinished: dict[str, OutputLine] = field(default_factory=dict)
@@ -381,7 +377,6 @@ _FITS: Final[Mapping[str, Callable[[Any], bool]]] = {
     **dict.fromkeys(("state_names", "action_names"), lambda value: _is_list(value, _is_text)),
     "numbers": _is_table_of_numbers,
 }
-"""What the fields of messages may be."""
 
 
 def _check_types(said: Mapping[str, Any]) -> None:

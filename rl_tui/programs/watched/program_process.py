@@ -30,20 +30,16 @@ from rl_tui.programs.watched.program_log import GARBLED, ProgramError, ProgramLo
 
 
 LONGEST_LINE: Final = 500
-"""Longest stored line in characters."""
 MOST_A_SECOND: Final = 300
 """Most lines per second. Of more, only the last ones are kept."""
 LAST_KEPT: Final = 20
-"""Number of last lines kept."""
 
 _LONGEST_RAW: Final = 4 * LONGEST_LINE  # bytes; a character has at most four
 # cursor and colour sequences: CSI, OSC, and others of two characters
 _ESCAPES: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|\x1b\\)?|[@-Z\\-_])")
 
 
-class WrittenLine(NamedTuple):
-    """A line that may replace its beginning or an earlier state."""
-
+class _WrittenLine(NamedTuple):
     text: str
     replaces: bool
 
@@ -62,7 +58,7 @@ class WrittenLines:
         self._left_out = 0
         self._last: deque[bytes] = deque(maxlen=LAST_KEPT)
 
-    def take(self, piece: bytes, now: float) -> Iterator[WrittenLine]:
+    def take(self, piece: bytes, now: float) -> Iterator[_WrittenLine]:
         """Yield the lines after `piece`, which arrived at `now` (seconds on any clock)."""
         if int(now) != self._second:
             yield from self._catch_up()
@@ -75,9 +71,9 @@ class WrittenLines:
         if self._room and self._rest.strip():
             text, replaces = self._written(self._rest)
             self._is_begun = True
-            yield WrittenLine(text, replaces)
+            yield _WrittenLine(text, replaces)
 
-    def end(self) -> Iterator[WrittenLine]:
+    def end(self) -> Iterator[_WrittenLine]:
         """Yield the remaining lines."""
         yield from self._catch_up()
         if self._rest.strip() and not self._is_begun:
@@ -91,18 +87,18 @@ class WrittenLines:
             self._is_begun = False
         return rest
 
-    def _catch_up(self) -> Iterator[WrittenLine]:
+    def _catch_up(self) -> Iterator[_WrittenLine]:
         left_out = self._left_out - len(self._last)
         if left_out > 0:
-            yield WrittenLine(f"… {left_out:,} lines left out", False)
+            yield _WrittenLine(f"… {left_out:,} lines left out", False)
         for line in self._last:
-            yield WrittenLine(_text_of(line), False)
+            yield _WrittenLine(_text_of(line), False)
         self._last.clear()
         self._left_out = 0
 
-    def _written(self, line: bytes) -> WrittenLine:
+    def _written(self, line: bytes) -> _WrittenLine:
         replaces, self._is_begun = self._is_begun, False
-        return WrittenLine(_text_of(line), replaces)
+        return _WrittenLine(_text_of(line), replaces)
 
 
 def _shortened(line: bytes) -> bytes:
@@ -374,7 +370,7 @@ def _memory_file(closing: ExitStack) -> int:
     return descriptor
 
 
-def _messages(stream: str, lines: Iterable[WrittenLine]) -> list[tuple[bytes, bytes]]:
+def _messages(stream: str, lines: Iterable[_WrittenLine]) -> list[tuple[bytes, bytes]]:
     return [
         _message(MessageKind.OUTPUT, step=None, stream=stream, text=line.text, replaces=line.replaces)
         for line in lines

@@ -90,10 +90,7 @@ class ProgramWorld:
 
 
 def world_of_program(environment: ProgramEnvironment) -> ProgramWorld:
-    """Return the world by id and arguments, else by the program's table, else without exact results.
-
-    Raises UserError if it is too large.
-    """
+    """Return the known world, the program's, or one without exact results. Raises UserError if too large."""
     cells = environment.states * environment.actions
     if cells > MOST_PAIRS:
         raise UserError(

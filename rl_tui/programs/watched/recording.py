@@ -17,10 +17,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class Columns:
-    """N rows in columns. Results of `views` never change.
-
-    Up to `room` rows nothing is moved, and unused room takes no memory.
-    """
+    """N rows in columns. Results of `views` never change. Up to `room` rows nothing is moved."""
 
     def __init__(self, dtypes: Sequence[npt.DTypeLike], room: int = 0) -> None:
         self._rooms = [np.empty(room, dtype) for dtype in dtypes]
@@ -79,16 +76,13 @@ class StepColumns(NamedTuple):
     episode: IntArray
     """From 0 over all environments, in the order of their beginnings."""
     episode_step: IntArray
-    """From 0 within the episode."""
 
 
 class ChangeColumns(NamedTuple):
     """M changes of the table, `[M]` each, oldest first."""
 
     step: IntArray
-    """Step of the change, from 0 over the program."""
     cell: IntArray
-    """State · A + action."""
     before: FloatArray
     """Old value, NaN for a missing entry."""
     after: FloatArray
@@ -114,7 +108,6 @@ class Recording:
     def __init__(self, most: int = MOST_STEPS) -> None:
         self.first = 0
         self.count = 0
-        """Number of steps taken."""
         self.actions = 0
         self.found_at = 0
         self.initial: FloatArray | None = None
@@ -173,10 +166,7 @@ class Recording:
             self._forget()
 
     def table_at(self, step: int) -> FloatArray:
-        """Return the table after `step` steps, `[S·A]`, NaN for missing entries.
-
-        Raises ValueError without a table, or for a forgotten step.
-        """
+        """Return the table after `step` steps, `[S·A]`, NaN for missing entries, or raise ValueError."""
         if self.initial is None:
             raise ValueError("no table was found")
         if step < self.first:

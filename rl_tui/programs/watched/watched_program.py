@@ -111,9 +111,7 @@ class WatchedProgram:
     def __init__(self, request: ProgramRequest) -> None:
         self.request = request
         self.log = ProgramLog()
-        """Everything it has reported."""
         self.heard_at = time.monotonic()
-        """Time of the last message."""
         self.is_at_rest = False
         """True while it waits for permission."""
         self.is_over = False
@@ -198,10 +196,7 @@ class WatchedProgram:
         self._look()
 
     def wait_for_environment(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
-        """Wait until it is ready for its first step, or has ended.
-
-        Raises UserError if it cannot be watched, or has no suitable environment.
-        """
+        """Wait until it is ready for its first step, or has ended. Raises UserError if it cannot."""
         while is_wanted():
             self.listen(_LOOK)
             self.check()

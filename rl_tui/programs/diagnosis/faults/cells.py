@@ -72,12 +72,10 @@ def written(number: float) -> str:
 _ONE_CELL: Final = 0.95
 """Share of changing steps that must change exactly one cell."""
 _MOST_FIXED: Final = 32
-"""Most actions tried as a fixed one."""
 _MOVED: Final = "(s′, a)"
 _SWAPPED: Final = {_MOVED: "the maximum of Q(s), not of Q(s′)", "(s′, a′)": "Q(s, a), not Q(s′, a′)"}
 """Cells that move if s and s′ are swapped, with the value in the target."""
 _MOST_SOLVED: Final = 2_000
-"""Most steps used to find where the maximum is taken."""
 _UNKNOWNS: Final = 3
 _PATIENCE: Final = 1_000.0
 """Tolerance of a solution, as a multiple of the table's precision."""

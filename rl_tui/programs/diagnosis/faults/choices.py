@@ -24,7 +24,6 @@ from rl_tui.programs.watched.program_world import world_of_program
 MOST_LUCK: Final = 1e-4
 """Probability of bad luck below which a risk is reported."""
 _FEWEST: Final = 200
-"""Choices needed to judge their shares."""
 _DEVIATIONS: Final = 10.0
 """Deviation of a share, in standard deviations, that rules out chance."""
 

@@ -26,7 +26,6 @@ _NEAR: Final = 1e-6
 _FEWEST_EQUATIONS: Final = 20
 """Fewest distinct steps, since four of them determine a formula."""
 _MOST_EQUATIONS: Final = 2_000
-"""Most steps among which distinct ones are counted."""
 _WEIGHTY: Final = 100.0
 _CLEARLY_ABOVE: Final = 1.001
 """A discount above this is not a rounded 1."""
@@ -102,11 +101,7 @@ class _Mistake:
 def proof_of_formula(
     evidence: Evidence, update: UpdateFound, environments: Sequence[ProgramEnvironment], names: CodeNames
 ) -> Proof | None:
-    """Prove an exact linear formula with a wrong sign or a misplaced term.
-
-    The program's own reward may have any factor and constant, so only the factors of the estimates are
-    judged.
-    """
+    """Prove an exact linear formula with a wrong factor of an estimate. An own reward may have any factor."""
     is_right = update.rule is not Rule.UNKNOWN and update.reward == "environment"
     if evidence.is_pair or evidence.precision > EXACT or (is_right and (update.gamma or 0.0) <= 1.0):
         return None

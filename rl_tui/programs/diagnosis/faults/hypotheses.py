@@ -73,7 +73,7 @@ class Case:
         return self.uses_reward and has_next
 
 
-class Tested:
+class _Tested:
     """The n steps on which a hypothesis is tested."""
 
     def __init__(self, case: Case, which: BoolArray, most: int) -> None:
@@ -104,11 +104,9 @@ class Tested:
         return self.case.predictions.after(self.readings, used, values)
 
     def step(self, place: int) -> str:
-        """Describe the step at `place`."""
         return step_text(self.evidence.number[self.at[place]])
 
     def move(self, place: int) -> str:
-        """Describe the change of the step at `place`."""
         before, after = written(self.readings.before[place]), written(self.readings.after[place])
         return f"stayed {after}" if before == after else f"changed from {before} to {after}"
 
@@ -129,14 +127,14 @@ class Hypothesis:
     fault: CodeFault
     applies: Callable[[Case], bool]
     steps: Callable[[Case], BoolArray]
-    wrong: Callable[[Tested], FloatArray]
-    right: Callable[[Tested], FloatArray]
-    text: Callable[[Tested, int], str]
+    wrong: Callable[[_Tested], FloatArray]
+    right: Callable[[_Tested], FloatArray]
+    text: Callable[[_Tested, int], str]
     correction: Callable[[Case], str]
     place: Callable[[ProgramCode], CodeLine | None] = ProgramCode.update_line
     certainty: Literal["proven", "declared"] = "proven"
     most: int = MOST_STEPS
-    shows: Callable[[Tested], BoolArray] | None = None
+    shows: Callable[[_Tested], BoolArray] | None = None
     any_other: bool = False
 
     def proof(self, case: Case) -> Proof | None:
@@ -145,7 +143,7 @@ class Hypothesis:
         is_late = case.update.place is MovedCell.ONE_LATE
         if not predictions.is_known or is_late or not self.applies(case):
             return None
-        tested = Tested(case, self.steps(case), self.most)
+        tested = _Tested(case, self.steps(case), self.most)
         seen = predictions.witnesses(tested.readings, self.wrong(tested), self.right(tested))
         speaking = seen.one if self.shows is None else seen.one & self.shows(tested)
         others, neither = int(seen.other.sum()), int(seen.neither.sum())
@@ -193,7 +191,7 @@ def _ended_after_a_change(case: Case) -> BoolArray:
 # Texts
 
 
-def _bootstrap_text(tested: Tested, place: int, *, what: str, has_next: bool) -> str:
+def _bootstrap_text(tested: _Tested, place: int, *, what: str, has_next: bool) -> str:
     state, action = divmod(int(tested.case.predictions.moved_cell[tested.at[place]]), tested.evidence.actions)
     nearest = int(np.abs(tested.with_next[place] - tested.readings.after[place]).argmin())
     expected = tested.without[place, 0] if has_next else tested.with_next[place, nearest]
@@ -204,7 +202,7 @@ def _bootstrap_text(tested: Tested, place: int, *, what: str, has_next: bool) ->
     )
 
 
-def _kept_text(tested: Tested, place: int) -> str:
+def _kept_text(tested: _Tested, place: int) -> str:
     return (
         f"At {tested.step(place)} an episode ended with the reward {written(tested.reward[place])}. The "
         f"estimate {tested.move(place)}, by α r. It should become {written(tested.without[place, 0])}: the "
@@ -212,7 +210,7 @@ def _kept_text(tested: Tested, place: int) -> str:
     )
 
 
-def _lost_text(tested: Tested, place: int) -> str:
+def _lost_text(tested: _Tested, place: int) -> str:
     return (
         f"At {tested.step(place)} an episode ended with the reward {written(tested.reward[place])}, but the "
         f"table did not change. The estimate {written(tested.readings.before[place])} should become "
@@ -220,7 +218,7 @@ def _lost_text(tested: Tested, place: int) -> str:
     )
 
 
-def _axis_text(tested: Tested, place: int) -> str:
+def _axis_text(tested: _Tested, place: int) -> str:
     return (
         f"At {tested.step(place)} the target contained {written(tested.values[place, 0])}, the largest value "
         f"of action {tested.evidence.action[tested.at[place]]} in any state. It should contain "
@@ -228,7 +226,7 @@ def _axis_text(tested: Tested, place: int) -> str:
     )
 
 
-def _own_state_text(tested: Tested, place: int) -> str:
+def _own_state_text(tested: _Tested, place: int) -> str:
     at = tested.at[place]
     state, next_state = tested.evidence.state[at], tested.evidence.next_state[at]
     return (
@@ -238,7 +236,7 @@ def _own_state_text(tested: Tested, place: int) -> str:
     )
 
 
-def _table_text(tested: Tested, place: int) -> str:
+def _table_text(tested: _Tested, place: int) -> str:
     names, predictions, at = tested.case.names, tested.case.predictions, tested.at[[place]]
     own, other = names.table, names.other
     if tested.evidence.table[at[0]]:
@@ -253,13 +251,13 @@ def _table_text(tested: Tested, place: int) -> str:
     )
 
 
-def _twice_text(tested: Tested, _: int) -> str:
+def _twice_text(tested: _Tested, _: int) -> str:
     name, root = _root(tested.case)
     once, twice = written(root), written(tested.case.predictions.gamma)
     return f"The table changes as if γ = {twice}. Your `{name}` is {once}, and {once}² = {twice}."
 
 
-def _step_size_text(tested: Tested, _: int) -> str:
+def _step_size_text(tested: _Tested, _: int) -> str:
     alpha = tested.case.update.alpha or 0.0
     way = "beyond" if alpha > 1.0 else "away from"
     name = tested.case.names.alpha
@@ -276,22 +274,22 @@ def _left_out_correction(case: Case) -> str:
 # Values
 
 
-def _best(tested: Tested) -> FloatArray:
+def _best(tested: _Tested) -> FloatArray:
     return tested.case.predictions.values(tested.at, UpdateTarget.BEST)
 
 
-def _of_both(tested: Tested) -> FloatArray:
+def _of_both(tested: _Tested) -> FloatArray:
     """Let one table choose the next action, and the other one give its value."""
     of, at = tested.case.predictions.values, tested.at
     values = (of(at, UpdateTarget.BEST_BY_OTHER), of(at, UpdateTarget.OTHERS_CHOICE))
     return tested.after(np.concatenate(values, axis=1))
 
 
-def _with_or_without(tested: Tested) -> FloatArray:
+def _with_or_without(tested: _Tested) -> FloatArray:
     return np.concatenate((tested.with_next, tested.without), axis=1)
 
 
-def _allowed(tested: Tested) -> FloatArray:
+def _allowed(tested: _Tested) -> FloatArray:
     alpha = tested.case.update.alpha or 0.0
     nearest = 1.0 / alpha if alpha > 1.0 else 0.0
     return tested.before + nearest * (_with_or_without(tested) - tested.before)
@@ -443,7 +441,7 @@ HYPOTHESES: Final = (
 
 
 def _shifted(before: FloatArray) -> Hypothesis:
-    def values(tested: Tested) -> FloatArray:
+    def values(tested: _Tested) -> FloatArray:
         # bootstrapping at an end is a separate question
         without = np.where(tested.evidence.ends[tested.at, None], 0.0, tested.values)
         return np.concatenate((tested.values, without), axis=1)

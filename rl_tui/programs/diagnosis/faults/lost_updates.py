@@ -32,10 +32,7 @@ memory.
 
 
 def proof_of_rounding(evidence: Evidence, names: CodeNames, *, writes: bool) -> Proof | None:
-    """Prove that a table of integers truncates its updates.
-
-    Numbers in the code explain the integer parts, or written rewards leave no trace.
-    """
+    """Prove that a table of integers truncates its updates, by numbers in the code or by lost rewards."""
     never_moves = not evidence.changes.step.size
     if not evidence.dtype.startswith(("int", "uint")) or (never_moves and not writes):
         return None

@@ -22,18 +22,15 @@ _EXACT: Final = 1e-9
 _CLEARLY: Final = 100.0
 """Two predictions are distinct if they differ by this multiple of the precision."""
 _MOST_SOLVED: Final = 100_000
-"""Most steps from which step sizes are solved."""
 _FEW: Final = 10_000
 _FEWEST: Final = 10
 _EXCEPTIONS: Final = 0.03
-"""Largest share of exceptions."""
 
 
 class Readings(NamedTuple):
     """The moved cells before and after n steps, `[n]` each."""
 
     at: IntArray
-    """Indexes of the steps in the evidence."""
     before: FloatArray
     after: FloatArray
 

@@ -16,11 +16,7 @@ from rl_tui.programs.watched.messages import MessageKind
 
 
 def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
-    """Train the agent described by `said`, after `gymnasium.make` is replaced.
-
-    Raises UserError if the file has no such agent, or a parameter cannot be bound, and any exception of the
-    agent.
-    """
+    """Train an agent in a made environment. Raises UserError if it does not fit, and all of the agent's."""
     path = Path(said["path"])
     script = read_script(path)
     place = the_agent(script.tree, path, said["agent"])

@@ -51,10 +51,7 @@ def users_place(frame: FrameType | None) -> tuple[str, int] | None:
 
 
 def line_of(frame: FrameType) -> int:
-    """Return the current line of `frame`.
-
-    Instructions without a line, such as the jump to the head of a loop, use the line before them.
-    """
+    """Return the current line of `frame`, the one before for an instruction without a line."""
     if frame.f_lineno is not None:
         return frame.f_lineno
     before = [line for start, _, line in frame.f_code.co_lines() if line and start <= frame.f_lasti]

@@ -13,9 +13,7 @@ from rl_tui.programs.watched.child.errors import is_users_file, line_of
 from rl_tui.programs.watched.child.script import loaded_tree
 
 Place = tuple[str, int]
-"""A file and a line."""
 TRACED_AT_FIRST: Final = 40
-"""Number of first changes whose lines are traced."""
 MOST_LINES: Final = 20_000
 """Most lines executed while tracing. With rare changes, it would slow the program for long."""
 

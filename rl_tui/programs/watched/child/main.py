@@ -44,8 +44,7 @@ assert sys.platform != "win32"  # for mypy, which skips the rest there
 # Seeds of all random generators
 
 
-def seed_all(seed: int) -> None:
-    """Seed `random`, NumPy's legacy generator and each unseeded `default_rng()`."""
+def _seed_all(seed: int) -> None:
     random.seed(seed)
     np.random.seed(seed % 2**32)
     original, made = np.random.default_rng, count(1)
@@ -82,8 +81,7 @@ def end_with(life: int) -> None:
         os.killpg(0, signal.SIGKILL)
 
 
-def bound_memory(most: int) -> None:
-    """Limit this process, and each child, to `most` bytes."""
+def _bound_memory(most: int) -> None:
     import resource
 
     with suppress(OSError, ValueError):
@@ -92,8 +90,7 @@ def bound_memory(most: int) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
-def surround(note: Callable[[str], None]) -> None:
-    """Prepare the process for a script, and `note` workarounds."""
+def _surround(note: Callable[[str], None]) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace", line_buffering=True)
@@ -178,7 +175,7 @@ _SILENT: Final = 10  # checks without a step before the position is reported
 _FORK: Final = ".*use of fork.. may lead to deadlocks"
 
 
-class Watchman:
+class _Watchman:
     """A thread next to the program, which writes pending steps.
 
     After a second without a step it reports the program's current line, once. It does not read the table,
@@ -190,7 +187,6 @@ class Watchman:
         self._program = threading.get_ident()
 
     def begin(self) -> None:
-        """Watch the program in the calling thread."""
         warnings.filterwarnings("ignore", message=_FORK, category=DeprecationWarning)  # the thread is ours
         threading.Thread(target=self._watch, name="rl-tui", daemon=True).start()
 
@@ -211,7 +207,7 @@ class Watchman:
                     self._channel.message(MessageKind.STANDS, file=place[0], line=place[1])
 
 
-def flush_at_exit(recorder: Recorder) -> None:
+def _flush_at_exit(recorder: Recorder) -> None:
     """Let `os._exit` report the last steps first."""
     leave, process = os._exit, os.getpid()
 
@@ -235,8 +231,8 @@ def main(said: dict[str, Any]) -> None:
     recorder, note = Recorder(channel, gate, most=said["steps"], wanted=said["table"]), channel.note
     end_with(said["life"])
     if said["memory"] is not None:
-        bound_memory(said["memory"])
-    surround(note)
+        _bound_memory(said["memory"])
+    _surround(note)
     give_back_removed_names(note)
     stand_in(note)
     offer_windows(note)
@@ -248,9 +244,9 @@ def main(said: dict[str, Any]) -> None:
     boxes = BoxWorlds(making, own_worlds.has_steps)
     boxes.install()
     own_worlds.may_take_over = boxes.table_steps.take_over
-    seed_all(said["seed"])
-    flush_at_exit(recorder)
-    Watchman(channel, gate, recorder).begin()
+    _seed_all(said["seed"])
+    _flush_at_exit(recorder)
+    _Watchman(channel, gate, recorder).begin()
     channel.message(MessageKind.STARTED)
     path = Path(said["path"])
     watch_file(path)

@@ -106,7 +106,7 @@ Step = tuple[int, int, int, float, int, int, int, int]
 """A step in the form of the pipe."""
 
 
-class StopConditions:
+class _StopConditions:
     """Events to stop at, as in messages.py."""
 
     def __init__(self, said: Mapping[str, Any], actions: int) -> None:
@@ -120,7 +120,6 @@ class StopConditions:
         self._policy = bool(said.get("policy"))
 
     def met_by(self, step: Step, changes: Sequence[float], row: Row, *, is_end: bool) -> str | None:
-        """Return the event that `step` met with the `changes` after it, or None."""
         _, state, action, reward, next_state, _, episode, _ = step
         if next_state in self._states:
             return "states"
@@ -187,7 +186,6 @@ class Recorder:
     def __init__(self, channel: Channel, gate: Gate, *, most: int | None, wanted: str | None) -> None:
         self.channel, self.gate = channel, gate
         self.count = 0
-        """Number of steps."""
         self.resets = 0
         """Number of episodes begun, also those without a step."""
         self._most, self.wanted = most, wanted
@@ -200,7 +198,7 @@ class Recorder:
         self._last: Step | None = None  # until the next call, for events
         self._last_numbering: Numbering | None = None
         self._numbering: Numbering | None = None
-        self._stop: StopConditions | None = None
+        self._stop: _StopConditions | None = None
         self._met: str | None = None
         self._thread: int | None = None
         self._called: set[str] = set()
@@ -359,7 +357,6 @@ class Recorder:
             self._tell_turned(frame, numbering)
 
     def _tell_turned(self, frame: FrameType | None, numbering: Numbering) -> None:
-        """Report an array with swapped axes that may be the table."""
         turned = turned_table(frame, numbering)
         if turned is not None:
             self._turned_is_noted = True
@@ -442,7 +439,7 @@ class Recorder:
 
     def _set_stop(self, said: Any) -> None:
         actions = 1 if self._numbering is None else self._numbering.actions
-        self._stop = None if said is None else StopConditions(said, actions)
+        self._stop = None if said is None else _StopConditions(said, actions)
 
     def _look_at_stop(self, changes: Sequence[float], *, is_end: bool) -> None:
         if self._stop is not None and self._last is not None:

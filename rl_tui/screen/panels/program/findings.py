@@ -86,7 +86,7 @@ class FindingsPanel(ScrolledPanel):
         for finding in findings:
             if finding is chosen and self._has_moved:
                 self._first, self._has_moved = len(lines), False
-            blocks = finding_blocks(finding, program, self.look, width, is_chosen=finding is chosen)
+            blocks = _finding_blocks(finding, program, self.look, width, is_chosen=finding is chosen)
             lines += lines_of(blocks, width, self.look)
             if finding is chosen and finding is not findings[-1]:
                 lines.append([])
@@ -103,7 +103,7 @@ class FindingsPanel(ScrolledPanel):
         return [*key_hints(go, ("esc: close",))]
 
 
-def finding_blocks(
+def _finding_blocks(
     finding: CodeFinding, program: ProgramView, look: Look, width: int, *, is_chosen: bool
 ) -> Iterator[Block]:
     """Yield ``finding``, in full if it ``is_chosen``."""
@@ -119,7 +119,7 @@ def finding_blocks(
     if place and length(spelled([name, where], look)) > width:  # its place did not fit above
         said = f"{place}: {said}"
     yield Text(said, palette.text, _INDENT, _INDENT)
-    yield Text(evidence_text(finding), palette.dim, _INDENT, _INDENT)
+    yield Text(_evidence_text(finding), palette.dim, _INDENT, _INDENT)
     code = source_lines(*words.code_around(finding.file, finding.line, program), look, width)
     yield from (BLANK, *map(Row, code), BLANK) if code else ()
     if finding.correction:
@@ -134,8 +134,7 @@ def nothing_wrong(program: ProgramView) -> str:
     return NOTHING if is_usual else f"{counted(len(notes), 'note')}, no bug proved"
 
 
-def evidence_text(finding: CodeFinding) -> str:
-    """Describe a finding's certainty, with its steps."""
+def _evidence_text(finding: CodeFinding) -> str:
     if finding.certainty == "declared":
         certain = "Declared: this relies on a value read from your code"
     elif finding.kind == "risk":

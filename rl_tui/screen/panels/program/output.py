@@ -20,7 +20,6 @@ from rl_tui.screen.theme.look import Look
 
 NOTHING_WRITTEN: Final = "your program has printed nothing yet: space runs it"
 MOST_LINES: Final = 400
-"""Lines of output available by scrolling."""
 
 _MOST_ROWS: Final = 6  # of one wrapped line
 _MOST_TRACEBACK: Final = 60  # lines
@@ -69,7 +68,7 @@ def _line_rows(step: int, stream: str, text: str, columns: int, width: int, look
     style = palette.bad if is_error else palette.text
     room = max(_LEAST_COLUMNS, width - columns - 4)
     lines: list[Line] = []
-    for place, part in enumerate(broken(in_characters(safe_line(text), look), room, _MOST_ROWS)):
+    for place, part in enumerate(broken(_in_characters(safe_line(text), look), room, _MOST_ROWS)):
         number = f"{step:,}" if place == 0 else ""
         head = [
             Piece(f" {number:>{columns}} ", palette.dim),
@@ -87,13 +86,13 @@ def _ending(program: ProgramView, look: Look, width: int) -> list[Line]:
     lines: list[Line] = []
     room = max(_LEAST_COLUMNS, width - 1)
     for text in _calls(error.traceback):
-        parts = broken(in_characters(safe_line(text), look), room, _MOST_ROWS)
+        parts = broken(_in_characters(safe_line(text), look), room, _MOST_ROWS)
         lines += [[Piece(f" {part}", palette.dim)] for part in parts]
     place = place_text(error.file, error.line, program)
     what = f"{one_line(error.type, LONGEST_NAME)}: {one_line(error.text, LONGEST_SENTENCE)}"
     said = f"{look.glyphs.stopped} {what} ({place})" if place else f"{look.glyphs.stopped} {what}"
     lines += [
-        [Piece(f" {part}", palette.bad)] for part in broken(in_characters(said, look), room, _MOST_ROWS)
+        [Piece(f" {part}", palette.bad)] for part in broken(_in_characters(said, look), room, _MOST_ROWS)
     ]
     return lines + source_lines(*code_around(error.file, error.line, program), look, width)
 
@@ -132,8 +131,7 @@ def broken(text: str, room: int, most: int) -> Iterator[str]:
             return
 
 
-def in_characters(text: str, look: Look) -> str:
-    """Replace unavailable characters."""
+def _in_characters(text: str, look: Look) -> str:
     return text if look.glyphs.name != "ascii" else text.encode("ascii", "replace").decode("ascii")
 
 
@@ -145,7 +143,7 @@ def source_lines(source: Sequence[str], line: int, look: Look, width: int) -> li
     if not 1 <= line <= len(source):
         return []
     numbers = range(max(1, line - _AROUND), min(len(source), line + _AROUND) + 1)
-    texts = {number: in_characters(safe_line(source[number - 1]), look) for number in numbers}
+    texts = {number: _in_characters(safe_line(source[number - 1]), look) for number in numbers}
     common = min((_indent(text) for text in texts.values() if text), default=0)
     columns, lines = len(str(numbers[-1])), list[Line]()
     for number, text in texts.items():

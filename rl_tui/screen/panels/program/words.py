@@ -43,7 +43,6 @@ IN_SHORT: Final = {
     CodeFault.FIRST_OF_TIES: "takes the first of ties",
     CodeFault.NEVER_EXPLORES: "never explores",
 }
-"""Each fault and risk in a few plain words."""
 
 _RULES: Final = {
     Rule.Q_LEARNING: "Q-learning",

@@ -22,7 +22,6 @@ _MANY: Final = 500
 _ENOUGH_MOVED: Final = 3
 """Steps to another state among them, because an index of the state itself is right at the others."""
 _MOST_IN_ORDER: Final = 2_000
-"""Largest number of states to number at once."""
 _MOST_WRONG: Final = 0.02
 """Most assignments with another action, for each with that of its step."""
 _UNKNOWN: Final = "unknown"
@@ -36,7 +35,6 @@ class Seen:
     """Changes of a table between a step and the next call: flat lists of cell, old and new value."""
 
     key: Key | None = None
-    """The state of the step."""
     action: int = -1
     """The action in the last index."""
     reads: dict[ReadPlace, int] = field(default_factory=dict)
@@ -55,7 +53,6 @@ class LateReports:
         self._making, self._recorder, self._note = making, making.recorder, making.note
         self._table: IndexedTable | None = None
         self._pending: deque[Any] = deque()
-        """Steps that are not reported yet."""
         self._open: tuple[int, IndexedTable, set[int], Seen] | None = None
         """The assignment that the program is making: its site, table, and states with what they showed."""
         self.number, self._episode = -1, -1
@@ -76,7 +73,6 @@ class LateReports:
         self._open = None
 
     def _follow(self, name: str, table: IndexedTable, others: Mapping[str, str], time_limit: int = 0) -> None:
-        """Report the world `name` and its table. `others` has the forms of other tables."""
         assert table.form is not None
         assert table.initial is not None
         self._table = table
@@ -158,10 +154,7 @@ class IndexedTable:
     def look(
         self, site: IndexSite, number: int, frame: FrameType, action: int | None, seen: Seen
     ) -> set[int] | None:
-        """Return the states of an assignment beforehand, or None for others.
-
-        Without an `action`, the index shows the action of the step.
-        """
+        """Return the states of an assignment, or None for others. Without an `action`, the index shows it."""
         keys, table = site.index.keys(frame), site.index.table(frame)
         if keys is None or len(keys) < 2 or (action is not None and type(keys[-1]) is not int):
             return None

@@ -60,18 +60,15 @@ def _is_readable(node: ast.AST) -> bool:
     return False
 
 
-def value_of(node: ast.expr, frame: FrameType) -> Any:
-    """Return the value of a readable expression in `frame`.
-
-    Raises LookupError, TypeError or ValueError if only the program's code can tell it.
-    """
+def _value_of(node: ast.expr, frame: FrameType) -> Any:
+    """Return a readable value. Raises LookupError, TypeError or ValueError if only their code can tell it."""
     match node:
         case ast.Constant(value=value):
             return value
         case ast.Name(id=name):
             return frame.f_locals[name] if name in frame.f_locals else frame.f_globals[name]
         case ast.Attribute(value=inner, attr=name):
-            holder = value_of(inner, frame)
+            holder = _value_of(inner, frame)
             if type(holder) is ModuleType:
                 return vars(holder)[name]
             is_value = name == "value" and issubclass(type(holder), Enum)
@@ -82,27 +79,26 @@ def value_of(node: ast.expr, frame: FrameType) -> Any:
         case ast.Tuple(elts=parts):
             return tuple(each for part in parts for each in _elements(part, frame))
         case ast.Subscript(value=inner, slice=index):
-            return _plain(value_of(inner, frame))[_plain(value_of(index, frame))]
+            return _plain(_value_of(inner, frame))[_plain(_value_of(index, frame))]
         case ast.BinOp(left=left, op=sign, right=right):
-            sides = _plain(value_of(left, frame)), _plain(value_of(right, frame))
+            sides = _plain(_value_of(left, frame)), _plain(_value_of(right, frame))
             return _OPERATORS[type(sign)](*sides)
         case ast.Call(func=ast.Name(id=name), args=[inner]) if name not in frame.f_globals:
-            return _CONVERSIONS[name](_plain(value_of(inner, frame)))
+            return _CONVERSIONS[name](_plain(_value_of(inner, frame)))
     raise ValueError("an expression that rl-tui cannot read")
 
 
-def known_value(node: ast.expr | None, frame: FrameType) -> Any:
-    """Return the value of a readable expression, or None."""
+def _known_value(node: ast.expr | None, frame: FrameType) -> Any:
     try:
-        return None if node is None else value_of(node, frame)
+        return None if node is None else _value_of(node, frame)
     except (LookupError, TypeError, ValueError, ArithmeticError):
         return None
 
 
 def _elements(node: ast.expr, frame: FrameType) -> tuple[Any, ...]:
     if isinstance(node, ast.Starred):
-        return tuple(_plain(value_of(node.value, frame)))
-    return (value_of(node, frame),)
+        return tuple(_plain(_value_of(node.value, frame)))
+    return (_value_of(node, frame),)
 
 
 def _plain(value: Any) -> Any:
@@ -122,18 +118,18 @@ class Index:
 
     def table(self, frame: FrameType) -> Any:
         """Return the indexed object, or None."""
-        return known_value(self._base, frame)
+        return _known_value(self._base, frame)
 
     def keys(self, frame: FrameType) -> tuple[Any, ...] | None:
         """Return all parts of the index, if they can be read."""
         try:
-            keys = tuple(_flat(key_of(value_of(each, frame)) for each in self.parts))
+            keys = tuple(_flat(key_of(_value_of(each, frame)) for each in self.parts))
             return keys if self._row is None or self._is_row(frame, keys[:-1]) else None
         except (LookupError, TypeError, ValueError, ArithmeticError):
             return None
 
     def _is_row(self, frame: FrameType, keys: Sequence[Any]) -> bool:
-        named, row = frame.f_locals[str(self._row)], value_of(self._base, frame)
+        named, row = frame.f_locals[str(self._row)], _value_of(self._base, frame)
         if issubclass(type(row), dict):
             row = dict.get(row, keys[0] if len(keys) == 1 else keys)
         elif type(row) in (list, np.ndarray):
@@ -220,8 +216,6 @@ def _reward_beside(assigned: Assigned) -> ast.expr | None:
 
 
 class _Term(NamedTuple):
-    """A term of a sum, which is `side` of `holder`."""
-
     node: ast.expr
     holder: ast.BinOp | None
     side: str
@@ -265,7 +259,6 @@ def _reward_of_call(value: ast.expr, assigned: Assigned, index: Index) -> ast.ex
 
 
 def _may_be_reward(term: _Term, value: ast.expr) -> bool:
-    """Return True for a call that is added once."""
     node = term.node
     if not (isinstance(node, ast.Call) and term.is_added and term.holder is not None):
         return isinstance(node, ast.NamedExpr) and node.target.id.startswith(_CALLED)
@@ -346,7 +339,7 @@ class IndexSite:
 
     def reward(self, frame: FrameType) -> float | None:
         """Return the reward, or None."""
-        found = number_of(known_value(self._reward, frame))
+        found = number_of(_known_value(self._reward, frame))
         return found if math.isfinite(found) else None
 
 

@@ -16,7 +16,6 @@ _KEY: Final = "_rl_tui_reports"
 _IS_INNER: Final = "_rl_tui_is_inner"
 _KEYS: Final = (_KEY, _IS_INNER)
 Given = tuple[tuple[Any, ...], dict[str, Any]]
-"""Arguments of a call, without and with names."""
 Answer = Callable[[Any, str, Any], Any]
 """Returns the result of a method for the frame that called it."""
 
@@ -39,7 +38,6 @@ class DirectEnvs:
         self.without_spaces: Mapping[str, Callable[[Any, Any, Callable[..., Any], Given], Any]] = {}
         """Methods that watch environments without finite spaces, by "step" and "reset"."""
         self.more_methods: Mapping[str, Any] = {}
-        """Further methods of Gymnasium's own classes."""
         self._classes: dict[type, type] = {}
 
     def install(self, seed: int) -> None:

@@ -172,8 +172,8 @@ class Making:
             wrappers=_wrappers(env),
         )
         if spec is None or not (isinstance(spec.entry_point, str) and spec.entry_point.startswith(_KNOWN)):
-            inside = attributes_of_env(env.unwrapped)
-            table = transitions_of(inside.get("P"), numbering)
+            inside = _attributes_of_env(env.unwrapped)
+            table = _transitions_of(inside.get("P"), numbering)
             if table is not None:
                 start = _start_of(inside.get("initial_state_distrib", inside.get("isd")), numbering)
                 self.recorder.channel.message(
@@ -207,13 +207,12 @@ class Making:
         self.recorder.refuse(_VECTORS)
 
 
-def attributes_of_env(env: gymnasium.Env[Any, Any]) -> Mapping[str, Any]:
-    """Return the attributes without calling the class."""
+def _attributes_of_env(env: gymnasium.Env[Any, Any]) -> Mapping[str, Any]:
     found = object.__getattribute__(env, "__dict__")
     return found if type(found) is dict else attributes(env)
 
 
-def transitions_of(table: Any, numbering: Numbering) -> list[list[list[list[float]]]] | None:
+def _transitions_of(table: Any, numbering: Numbering) -> list[list[list[list[float]]]] | None:
     """Return an environment's table, `[s][a]` a list of [probability, next state, reward, terminated].
 
     None if it has other values, or more than 20,000 states.

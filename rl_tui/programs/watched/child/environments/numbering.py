@@ -25,7 +25,6 @@ class Numbering:
 
     def __post_init__(self) -> None:
         self.action_keys: list[Any] = list(range(self.first_action, self.first_action + self.actions))
-        """The actions as the program writes them."""
 
     @property
     def met(self) -> range:

@@ -30,7 +30,6 @@ class StepReports:
         """The environment without wrappers, if the program has it and may set its state."""
         self.is_inside = False
         self.is_used = False
-        """True after the first call of `reset` or `step`."""
         self.is_silent = False
         """True if another environment inside of this one reports its own steps."""
         self.state = 0

@@ -45,8 +45,7 @@ def seed(env: Any, number: int | None = None) -> list[int]:
     return [number or 0]
 
 
-def missing_attribute(env: Any, name: str) -> Any:
-    """Return an attribute that only the old Gym had."""
+def _missing_attribute(env: Any, name: str) -> Any:
     if name in ("nS", "nA"):
         space = env.observation_space if name == "nS" else env.action_space
         return int(space.n)
@@ -63,8 +62,7 @@ def missing_attribute(env: Any, name: str) -> Any:
     raise AttributeError(f"{type(env).__name__!r} object has no attribute {name!r}")
 
 
-INNER_METHODS: Final = {"render": render, "seed": seed, "__getattr__": missing_attribute}
-"""Methods of environments without their wrappers."""
+INNER_METHODS: Final = {"render": render, "seed": seed, "__getattr__": _missing_attribute}
 
 
 class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
@@ -130,7 +128,7 @@ class OldEnv(gymnasium.Wrapper):  # type: ignore[misc]
         try:
             return getattr(held.unwrapped, name)
         except AttributeError:
-            return missing_attribute(held.unwrapped, name)
+            return _missing_attribute(held.unwrapped, name)
 
 
 def old_wrapper(base: Any) -> Any:

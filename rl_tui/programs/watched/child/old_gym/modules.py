@@ -45,11 +45,11 @@ _WRAPPERS: Final = {
 
 def offer_old_gym(making: Making) -> None:
     """Answer `import gym`, installed or not, and note it."""
-    gym = OldGym(making)
+    gym = _OldGym(making)
     sys.meta_path.insert(0, MadeModules(gym.has, gym.content))
 
 
-class OldGym:
+class _OldGym:
     """The modules of `gym`. Most have the content of Gymnasium's under the old name."""
 
     def __init__(self, making: Making) -> None:
@@ -66,11 +66,9 @@ class OldGym:
         }
 
     def has(self, name: str) -> bool:
-        """Return True for a module of the old Gym."""
         return name.partition(".")[0] == _OLD and self._names_in(name) is not None
 
     def content(self, name: str) -> Mapping[str, Any]:
-        """Return the names in a module. The first is noted."""
         if name == _OLD:
             self._making.note(_NOTE)
             self._begin()

@@ -127,7 +127,6 @@ class HeldTable(ABC):
 
 _SMALL: Final = 16_384  # bytes; a smaller array is compared as a whole at each step
 _CODES: Final = {"<f8": "d", "<f4": "f", "<i8": "q", "<i4": "i"}
-"""Codes to unpack numbers of an array."""
 
 
 class ArrayTable(HeldTable):

@@ -49,7 +49,7 @@ class KeyShape(StrEnum):
     """A DataFrame of pandas with a row for each state and a column for each action."""
 
 
-class KnownShape(NamedTuple):
+class _KnownShape(NamedTuple):
     """A table's shape, whether keys are texts, and the number of actions."""
 
     shape: KeyShape
@@ -63,7 +63,7 @@ _ROWS: Final = (KeyShape.ARRAY, KeyShape.LISTS, KeyShape.ROWS)
 """Shapes in which an action is a place of a row."""
 
 
-def shape_of(value: Any, examples: Sequence[Any], fixed: Numbering | None = None) -> KnownShape | None:
+def shape_of(value: Any, examples: Sequence[Any], fixed: Numbering | None = None) -> _KnownShape | None:
     """Return the shape of a table with a row for some states `examples`. Its actions may be `fixed`."""
     plain = [key_of(each) for each in examples]
     if type(value) is np.ndarray and value.dtype != object:
@@ -132,17 +132,17 @@ def sizes_of(table: Any) -> tuple[int, ...]:
     return (len(table), *sizes_of(table[0])) if type(table) is list and table else ()
 
 
-def _shape_of_array(value: Any, plain: Sequence[Any]) -> KnownShape | None:
+def _shape_of_array(value: Any, plain: Sequence[Any]) -> _KnownShape | None:
     if value.dtype.kind not in "fiu" or value.ndim < 2:
         return None
     for parts in map(parts_of, plain):
         is_index = len(parts) == value.ndim - 1 and all(type(each) is int for each in parts)
         if not (is_index and all(0 <= each < size for each, size in zip(parts, value.shape, strict=False))):
             return None
-    return KnownShape(KeyShape.ARRAY, False, value.shape[-1])
+    return _KnownShape(KeyShape.ARRAY, False, value.shape[-1])
 
 
-def _shape_of_lists(value: Any, plain: Sequence[Any]) -> KnownShape | None:
+def _shape_of_lists(value: Any, plain: Sequence[Any]) -> _KnownShape | None:
     shapes = set()
     for key in plain:
         row = value
@@ -159,7 +159,7 @@ def _shape_of_lists(value: Any, plain: Sequence[Any]) -> KnownShape | None:
     if len(shapes) != 1:
         return None
     ((shape, width),) = shapes
-    return KnownShape(shape, False, width)
+    return _KnownShape(shape, False, width)
 
 
 def _is_row(row: Any) -> bool:
@@ -176,34 +176,34 @@ def _is_frame(value: Any) -> bool:
     return kind.__name__ == "DataFrame" and kind.__module__.startswith("pandas")
 
 
-def _shape_of_frame(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -> KnownShape | None:
+def _shape_of_frame(value: Any, examples: Sequence[Any], plain: Sequence[Any]) -> _KnownShape | None:
     if value.shape[0] * value.shape[1] > MOST_CELLS:
         return None
     index = set(value.index.tolist())
     if any(str(each) in index for each in examples):
-        return KnownShape(KeyShape.FRAME, True, value.shape[1])
+        return _KnownShape(KeyShape.FRAME, True, value.shape[1])
     is_there = any(each in index for each in plain)
-    return KnownShape(KeyShape.FRAME, False, value.shape[1]) if is_there else None
+    return _KnownShape(KeyShape.FRAME, False, value.shape[1]) if is_there else None
 
 
 def _shape_of_dict(
     value: Any, examples: Sequence[Any], plain: Sequence[Any], fixed: Numbering | None
-) -> KnownShape | None:
+) -> _KnownShape | None:
     if not 0 < dict.__len__(value) <= MOST_CELLS:
         return None
     for original, key in zip(examples, plain, strict=True):
         for has_texts, each in ((False, key), (True, str(original))):
             row: Any = dict.get(value, each)
             if _is_dict_row(row):
-                return KnownShape(KeyShape.DICTS, has_texts, dict.__len__(row))
+                return _KnownShape(KeyShape.DICTS, has_texts, dict.__len__(row))
             if _is_row(row):
-                return KnownShape(KeyShape.ROWS, has_texts, len(row))
+                return _KnownShape(KeyShape.ROWS, has_texts, len(row))
     return _shape_of_pairs(value, examples, plain, fixed)
 
 
 def _shape_of_pairs(
     value: Any, examples: Sequence[Any], plain: Sequence[Any], fixed: Numbering | None
-) -> KnownShape | None:
+) -> _KnownShape | None:
     first, number = next(iter(dict.items(value)))
     if type(first) is not tuple or not first or not is_number(number):
         return None
@@ -217,7 +217,7 @@ def _shape_of_pairs(
             (KeyShape.FLAT, False, parts_of(key)),
         ):
             if any(dict.__contains__(value, (*start, action)) for action in actions):
-                return KnownShape(shape, has_texts, len(actions))
+                return _KnownShape(shape, has_texts, len(actions))
     return None
 
 

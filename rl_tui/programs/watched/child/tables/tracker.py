@@ -171,7 +171,7 @@ _MOST_OFTEN: Final = 3  # times as often the same table as the other one, or the
 _FEWEST_ALIKE: Final = 3  # cells that changed in both tables
 
 
-class PairTracker(TableTracker):
+class _PairTracker(TableTracker):
     """Follows a table with its `twin`.
 
     As soon as they change in turn, as in Double Q-learning, their mean is reported instead of the first.
@@ -201,7 +201,6 @@ class PairTracker(TableTracker):
     def differences(
         self, frame: FrameType | None, states: Iterable[int], *, at_reset: bool = False
     ) -> list[float]:
-        """Return all changes of the reported table."""
         states = tuple(states)
         found = super().differences(frame, states, at_reset=at_reset)
         others = self._twin.differences(frame, states, at_reset=at_reset)
@@ -214,16 +213,13 @@ class PairTracker(TableTracker):
         return found + self._begin() if self._is_pair() else found
 
     def changes_seen(self, states: Iterable[int]) -> int:
-        """Count changes in both tables."""
         states = tuple(states)
         return super().changes_seen(states) + self._twin.changes_seen(states)
 
     def rows_are_shared(self) -> bool:
-        """Return True if rows of a table are shared."""
         return super().rows_are_shared() or self._twin.rows_are_shared()
 
     def row(self, state: int) -> Sequence[float]:
-        """Return the row as last reported."""
         if self._values is None:
             return super().row(state)
         begin = state * self.form.actions
@@ -290,15 +286,12 @@ def tracker_of(
     on_pair: Callable[[str, Doubles], None],
     on_changes: Callable[[list[float]], None],
 ) -> TableTracker:
-    """Return the tracker of the first candidate, or of an equal one with a twin.
-
-    A table named by the user has no twin.
-    """
+    """Return the tracker of the first candidate, or of an equal one with a twin, unless the user named it."""
     first = found[0]
     if wanted is None or (isinstance(first.way, EntryWay) and wanted != first.way.name()):
         likely = rank(first.way.names[-1], first.value)
         for each in found:
             twin = twin_of(each) if rank(each.way.names[-1], each.value) == likely else None
             if twin is not None:
-                return PairTracker(each, twin, on_pair, on_changes)
+                return _PairTracker(each, twin, on_pair, on_changes)
     return TableTracker(first, wanted)

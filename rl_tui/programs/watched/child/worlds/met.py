@@ -12,7 +12,6 @@ from rl_tui.programs.watched.child.environments.numbering import Numbering
 
 MOST_ACTIONS: Final = 64
 MOST_STATES: Final = 16_384
-"""Most states that are met."""
 _LONGEST: Final = 32
 """Most numbers of an observation."""
 Key = int | float | str | tuple[Any, ...]

@@ -40,12 +40,10 @@ _STEP: Final = (
     *("step", "act", "move", "make_step", "take_action", "perform_action", "do_action", "take_step"),
     *("make_action", "execute"),
 )
-"""Names of methods that take a step."""
 _RESET: Final = (
     *("reset", "reset_game", "reset_env", "restart", "start", "new_game", "new_episode", "start_episode"),
 )
 _VALUES: Final = range(3, 6)
-"""Numbers of values that a step may return."""
 _UNKNOWN: Final = object()
 _NO_SLEEP: Final = "time.sleep() returns at once: you set the speed on screen"
 
@@ -389,7 +387,6 @@ def _looks_like_a_step(function: FunctionType) -> bool:
 
 
 def _is_part_of(target: ast.AST, name: str) -> bool:
-    """Return True for an attribute of `name`, or an entry of one."""
     inner = target
     while isinstance(inner, ast.Attribute | ast.Subscript):
         inner = inner.value
@@ -397,5 +394,4 @@ def _is_part_of(target: ast.AST, name: str) -> bool:
 
 
 def _copied(observation: Any) -> Any:
-    """Return an observation, as a copy if it may change."""
     return observation.copy() if type(observation) in (list, np.ndarray) else observation

@@ -61,7 +61,7 @@ class Tk(Widget):
         self._waiting.clear()
 
 
-class PlacingCanvas(Tk):
+class _PlacingCanvas(Tk):
     """A canvas that knows where its items are."""
 
     def __init__(self, *_: Any, **__: Any) -> None:
@@ -70,7 +70,6 @@ class PlacingCanvas(Tk):
         self._made = 0
 
     def create_item(self, *numbers: Any, **_: Any) -> int:
-        """Add an item, and return its number."""
         self._made += 1
         self._items[self._made] = list(_flat(numbers))
         return self._made
@@ -79,22 +78,18 @@ class PlacingCanvas(Tk):
     create_polygon = create_arc = create_window = create_item
 
     def coords(self, item: int, *numbers: Any) -> list[float]:
-        """Return an item's place, perhaps changed first."""
         if numbers:
             self._items[item] = list(_flat(numbers))
         return list(self._items.get(item, []))
 
     def bbox(self, item: int) -> list[float]:
-        """Return an item's place."""
         return self.coords(item)
 
     def move(self, item: int, right: float, down: float) -> None:
-        """Move an item."""
         place = self._items.get(item, [])
         self._items[item] = [each + float(down if odd % 2 else right) for odd, each in enumerate(place)]
 
     def delete(self, *items: Any) -> None:
-        """Remove items."""
         for each in items:
             if each == "all":
                 self._items.clear()
@@ -102,7 +97,6 @@ class PlacingCanvas(Tk):
                 self._items.pop(each, None)
 
     def find_all(self) -> tuple[int, ...]:
-        """Return the numbers of all items."""
         return tuple(self._items)
 
 
@@ -115,7 +109,7 @@ def _flat(numbers: Any) -> Iterator[float]:
 
 
 def _content() -> dict[str, Any]:
-    names: dict[str, Any] = {"Tk": Tk, "Canvas": PlacingCanvas, "Widget": Widget, "Misc": Widget}
+    names: dict[str, Any] = {"Tk": Tk, "Canvas": _PlacingCanvas, "Widget": Widget, "Misc": Widget}
     names |= {"TclError": RuntimeError, "TkVersion": 8.6}
     names |= {name: type(name, (Widget,), {}) for name in _WIDGETS}
     names |= {name: name.lower() for name in _CONSTANTS}
