@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
-_DEEPEST: Final = 3
-"""Most calls followed from function to function."""
 _MODULES: Final = frozenset({"np", "numpy", "math", "random"})
 _READING: Final = frozenset(
     {
@@ -50,39 +48,6 @@ _READING: Final = frozenset(
     }
 )
 """Functions and methods that change no table."""
-
-
-def only_reads(
-    function: _Function, functions: Mapping[str, _Function], table: str, depth: int = _DEEPEST
-) -> bool:
-    """Return True if `function`, with those it calls, certainly writes to no table, or to none at all."""
-    return all(
-        _is_harmless(node, functions, table, depth) for part in function.body for node in ast.walk(part)
-    )
-
-
-def _is_harmless(node: ast.AST, functions: Mapping[str, _Function], table: str, depth: int) -> bool:
-    match node:
-        case ast.Assign(targets=targets):
-            return all(_is_elsewhere(each, table) for each in targets)
-        case ast.AnnAssign(target=target):
-            return _is_elsewhere(target, table)
-        case ast.AugAssign(target=target):
-            return isinstance(target, ast.Attribute) and _is_elsewhere(target, table)
-        case ast.Call(func=called):
-            name = name_of(called)
-            if isinstance(called, ast.Attribute) and name_of(base_of(called.value)) in _MODULES:
-                return name != "put"
-            if name in functions:
-                return depth > 0 and only_reads(functions[name], functions, table, depth - 1)
-            return name in _READING
-        case ast.Delete() | ast.Global() | ast.Nonlocal() | ast.Yield() | ast.YieldFrom() | ast.Await():
-            return False
-        case ast.With() | ast.Import() | ast.ImportFrom():
-            return False
-        case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.ClassDef():
-            return False
-    return True
 
 
 def _is_elsewhere(target: ast.expr, table: str) -> bool:
@@ -290,8 +255,34 @@ class ProgramCode:
         may_return = self._agent.style != Style.FUNCTION.value
         if not may_return and any(each.value is not None for each in of_type(function, ast.Return)):
             return False  # it may be a new table
-        functions = {name: node for name, (_, node) in self._functions.items()}
-        return only_reads(function, functions, self._name)
+        return self._only_reads(function, _MOST_CALLS)
+
+    def _only_reads(self, function: _Function, depth: int) -> bool:
+        """Return True if it certainly writes to no table. Without the table's name it may store nothing."""
+        return all(self._is_harmless(node, depth) for part in function.body for node in ast.walk(part))
+
+    def _is_harmless(self, node: ast.AST, depth: int) -> bool:
+        match node:
+            case ast.Assign(targets=targets):
+                return all(_is_elsewhere(each, self._name) for each in targets)
+            case ast.AnnAssign(target=target):
+                return _is_elsewhere(target, self._name)
+            case ast.AugAssign(target=target):
+                return isinstance(target, ast.Attribute) and _is_elsewhere(target, self._name)
+            case ast.Call(func=called):
+                name = name_of(called)
+                if isinstance(called, ast.Attribute) and name_of(base_of(called.value)) in _MODULES:
+                    return name != "put"
+                if name in self._functions:
+                    return depth > 0 and self._only_reads(self._functions[name][1], depth - 1)
+                return name in _READING
+            case ast.Delete() | ast.Global() | ast.Nonlocal() | ast.Yield() | ast.YieldFrom() | ast.Await():
+                return False
+            case ast.With() | ast.Import() | ast.ImportFrom():
+                return False
+            case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.ClassDef():
+                return False
+        return True
 
     def left_before_update(self) -> CodeLine | None:
         """Return the `if` that leaves the loop before the update."""
