@@ -120,16 +120,11 @@ class OwnWorlds:
             return take(it, *arguments, **more)
         assert world is not None
         (action,) = (*arguments, *more.values())
-        if world.observation is not _UNKNOWN:
-            self._number(kind, world, action, frame)
-            if kind.numbering is not None:
-                self._recorder.before(frame, kind.numbering, "step")
-        count = self._seen
-        result = self._call(world, it, take, given)
-        if self._seen != count:  # a world inside of this one has reported
+        result, is_of_another = self._taken(kind, world, action, frame, lambda: take(it, *arguments, **more))
+        if is_of_another:
             kind.is_over = True
-            return result
-        self._report(kind, world, action, step_of(result))
+        else:
+            self._report(kind, world, action, step_of(result))
         return result
 
     def reset(self, it: Any, frame: Any, begin: Callable[..., Any], given: Given) -> Any:
@@ -140,7 +135,7 @@ class OwnWorlds:
         if kind.numbering is not None:
             self._recorder.before(frame, kind.numbering, "reset")
         resets = self._recorder.resets
-        result = self._call(world, it, begin, given)
+        result = self._call(world, lambda: begin(it, *given[0], **given[1]))
         if self._recorder.resets != resets:  # a world inside of this one reports
             kind.is_over = True
             return result
@@ -174,13 +169,9 @@ class OwnWorlds:
         world.observation = _copied(state)
         if key != function.next_state:
             world.place = 0
-        self._number(kind, world, action, frame)
-        if kind.numbering is not None:
-            self._recorder.before(frame, kind.numbering, "step")
-        count = self._seen
-        result = self._call(world, None, lambda _: take(), ((), {}))
+        result, is_of_another = self._taken(kind, world, action, frame, take)
         step = read(result)
-        if self._seen != count or step is None:  # another world has reported, or this is not a step
+        if is_of_another or step is None:
             self._drop(kind)
             return result
         self._report(kind, world, action, step)
@@ -197,10 +188,6 @@ class OwnWorlds:
         """Return True if steps are held."""
         return self._held > 0
 
-    @property
-    def _seen(self) -> int:
-        return self._recorder.count + self._held
-
     def _known(self, it: Any) -> tuple[_Kind, _World | None]:
         cls = type(it)
         kind = self._kinds.get(cls)
@@ -216,12 +203,24 @@ class OwnWorlds:
         return kind, world
 
     @staticmethod
-    def _call(world: _World, it: Any, method: Callable[..., Any], given: Given) -> Any:
+    def _call(world: _World, method: Callable[[], Any]) -> Any:
         world.is_inside = True
         try:
-            return method(it, *given[0], **given[1])
+            return method()
         finally:
             world.is_inside = False
+
+    def _taken(
+        self, kind: _Kind, world: _World, action: Any, frame: Any, take: Callable[[], Any]
+    ) -> tuple[Any, bool]:
+        """Return the result of a step, and True if a world inside of this one has reported it."""
+        if world.observation is not _UNKNOWN:
+            self._number(kind, world, action, frame)
+            if kind.numbering is not None:
+                self._recorder.before(frame, kind.numbering, "step")
+        count = self._recorder.count + self._held
+        result = self._call(world, take)
+        return result, self._recorder.count + self._held != count
 
     def _report(self, kind: _Kind, world: _World, action: Any, step: OwnStep | None) -> None:
         before = world.observation
