@@ -265,10 +265,9 @@ class Recorder:
         is_end: bool,
     ) -> None:
         """Record an earlier step, with differences of the table before and after it."""
-        number = self.count
-        self._add_changes(max(number - 1, 0), before)
+        self._add_changes(before)
         self.after(step, numbering)
-        self._add_changes(number, changes)
+        self._add_changes(changes)
         self._look_at_stop(changes, is_end=is_end)
 
     def end(self) -> None:
@@ -350,7 +349,7 @@ class Recorder:
         found = candidates(frame, numbering, self.wanted)
         if found:
             others = candidates(frame, numbering, None) if self.wanted is not None else found
-            self._tracker = tracker_of(found, self.wanted, self._tell_pair, self._tell_own_changes)
+            self._tracker = tracker_of(found, self.wanted, self._tell_pair, self._add_changes)
             self._tell_table([each for each in others if each.value is not self._tracker.table])
             self._tell_numbers(frame)
         elif not self._turned_is_noted:
@@ -375,9 +374,6 @@ class Recorder:
     def _tell_pair(self, other: str, content: Doubles) -> None:
         self.channel.message(MessageKind.PAIR, step=self.count, name=other)
         self.channel.table(content)
-
-    def _tell_own_changes(self, found: Sequence[float]) -> None:
-        self._add_changes(max(self.count - 1, 0), found)
 
     def _send_table(
         self, name: str, form: HeldTable, table: Any, content: Doubles, others: Mapping[str, str]
@@ -404,7 +400,7 @@ class Recorder:
         if len(found) == _CHANGE:  # one cell, the usual case, even if each step makes a new table
             self.channel.changes += (step, *found)
         else:
-            self._add_changes(step, found)
+            self._add_changes(found)
             if tracker.is_another and self._rebound < _MOST_REBOUND:
                 self._rebound += 1
                 self.channel.message(MessageKind.REBOUND, step=step)
@@ -412,7 +408,9 @@ class Recorder:
                 self._is_shared = True
                 self.channel.message(MessageKind.SHARED, step=step)
 
-    def _add_changes(self, step: int, found: Sequence[float]) -> None:
+    def _add_changes(self, found: Sequence[float]) -> None:
+        """Add changes of the last step."""
+        step = max(self.count - 1, 0)
         for place in range(0, len(found), _CHANGE):
             self.channel.changes += (step, *found[place : place + _CHANGE])
 

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import gymnasium
 
-from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, LateReports, Seen
+from rl_tui.programs.watched.child.boxes.candidate import MOST_HELD, IndexedTable, LateReports, Seen
 from rl_tui.programs.watched.child.boxes.sites import Sites
 from rl_tui.programs.watched.child.boxes.table_steps import TableSteps
 from rl_tui.programs.watched.child.environments.making import Making, id_of
@@ -23,8 +23,6 @@ from rl_tui.programs.watched.child.worlds.first_steps import FEW_STEPS, step_of
 from rl_tui.programs.watched.child.worlds.met import MOST_STATES, UnfitError
 from rl_tui.programs.watched.messages import MessageKind
 
-_MOST_HELD: Final = 5_000
-"""Steps without a table, after which the oldest are not reported any more."""
 _PATIENCE: Final = 5.0  # seconds without a table before a message
 _UNREAD: Final = (
     "{}: rl-tui reads the state from the index of your table, but your program has not written to a "
@@ -136,7 +134,7 @@ class BoxReports(LateReports, StepReports):
         return (_OF_OTHERS if others else _UNREAD).format(self._name, *others)
 
     def _wait_for_table(self) -> None:
-        are_too_many = len(self._pending) >= _MOST_HELD
+        are_too_many = len(self._pending) >= MOST_HELD
         if are_too_many or monotonic() > self._began + _PATIENCE:
             self._note(self._reason())
         if are_too_many:  # the search begins anew

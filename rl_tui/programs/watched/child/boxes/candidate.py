@@ -19,8 +19,10 @@ from rl_tui.programs.watched.child.worlds.met import Key, MetNumbering, UnfitErr
 
 _ENOUGH: Final = 20
 _MANY: Final = 500
-_ENOUGH_MOVED: Final = 3
+ENOUGH_MOVED: Final = 3
 """Steps to another state among them, because an index of the state itself is right at the others."""
+MOST_HELD: Final = 5_000
+"""Steps without a table, after which the oldest are not reported any more."""
 _MOST_IN_ORDER: Final = 2_000
 _MOST_WRONG: Final = 0.02
 """Most assignments with another action, for each with that of its step."""
@@ -205,7 +207,7 @@ class IndexedTable:
         sure = [
             place
             for place, (right, moved, wrong) in votes.items()
-            if right >= _ENOUGH and moved >= _ENOUGH_MOVED and not wrong
+            if right >= _ENOUGH and moved >= ENOUGH_MOVED and not wrong
         ]
         return seen.reads[max(sure, key=lambda place: votes[place])] if sure else None
 

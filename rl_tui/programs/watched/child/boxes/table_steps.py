@@ -9,7 +9,13 @@ from itertools import pairwise
 from types import FrameType
 from typing import Final
 
-from rl_tui.programs.watched.child.boxes.candidate import IndexedTable, LateReports, Seen
+from rl_tui.programs.watched.child.boxes.candidate import (
+    ENOUGH_MOVED,
+    MOST_HELD,
+    IndexedTable,
+    LateReports,
+    Seen,
+)
 from rl_tui.programs.watched.child.boxes.sites import IndexSite, Sites
 from rl_tui.programs.watched.child.environments.making import Making
 from rl_tui.programs.watched.child.tables.keyed_table import shape_of
@@ -18,10 +24,8 @@ from rl_tui.programs.watched.child.worlds.first_steps import FEW_STEPS
 
 _NAME: Final = "world of {}"
 _CHOSEN: Final = "each assignment to {} counts as a step of the program"
-_ENOUGH_MOVED: Final = 3
 _FEWEST_JOINED: Final = 0.5
 """Smallest share of steps after which the next assignment begins in their next state."""
-_MOST_HELD: Final = 5_000
 _MANY_OTHERS: Final = 200
 """Assignments to another object with the same name, after which that is the table."""
 
@@ -61,7 +65,7 @@ class TableSteps(LateReports):
             return
         table = self._tables.get(at.index.name)
         if self._table is None:
-            self.is_over = self._has_reports() or len(self._pending) >= _MOST_HELD
+            self.is_over = self._has_reports() or len(self._pending) >= MOST_HELD
             if self.is_over:
                 return
             if len(self._pending) >= FEW_STEPS and not self._has_steps():
@@ -155,6 +159,6 @@ def _next_state_reads(puts: list[_Put]) -> dict[int, int]:
     for function, counted in votes.items():
         place = max(counted, key=lambda each: (moved[function, each], counted[each]))
         is_sure = counted[place] >= totals[function] * _FEWEST_JOINED
-        if is_sure and (has_one_state or moved[function, place] >= _ENOUGH_MOVED):
+        if is_sure and (has_one_state or moved[function, place] >= ENOUGH_MOVED):
             best[function] = place
     return best

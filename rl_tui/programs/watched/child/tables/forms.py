@@ -90,32 +90,26 @@ class HeldTable(ABC):
     @abstractmethod
     def take(self, table: Any) -> None:
         """Store the content of `table`."""
-        ...
 
     @abstractmethod
     def values(self) -> Doubles:
         """Return the stored content."""
-        ...
 
     @abstractmethod
     def row(self, state: int) -> Sequence[float]:
         """Return the stored row of `state`, `[A]`."""
-        ...
 
     @abstractmethod
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return and store the changes in the rows of `states`."""
-        ...
 
     @abstractmethod
     def all_differences(self, table: Any) -> list[float]:
         """Return and store all changes."""
-        ...
 
     @abstractmethod
     def peek(self, table: Any, state: int) -> object:
         """Return the current row in a comparable form, or None."""
-        ...
 
     def rows_are_shared(self, table: Any) -> bool:
         """Return True if rows are the same object."""

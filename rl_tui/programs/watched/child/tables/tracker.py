@@ -7,6 +7,8 @@ from dataclasses import replace
 from types import FrameType
 from typing import Any, Final
 
+import numpy as np
+
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.tables.forms import Doubles, add_difference, differences_of
 from rl_tui.programs.watched.child.tables.keyed_table import form_of
@@ -241,8 +243,6 @@ class _PairTracker(TableTracker):
         return is_drawn and len(self._cells[0] & self._cells[1]) >= _FEWEST_ALIKE
 
     def _begin(self) -> list[float]:
-        import numpy as np
-
         both = self.form.values(), self._twin.form.values()
         self._values = both[0].tolist(), both[1].tolist()
         self.is_another = True
