@@ -59,12 +59,11 @@ _VISITS: Final[Mapping[CountedVisits, str]] = {
 }
 
 
-def _note_on_two_tables(evidence: Evidence, table: FoundTable) -> tuple[str, ...]:
-    if not evidence.is_pair:
-        return ()
-    name, other = one_line(table.name, _LONGEST), one_line(table.other, _LONGEST)
-    option = one_line(command_line(("--table", table.name)), _LONGEST)
-    return (f"{name} and {other} change in turn. Their mean is shown. {option} shows only {name}.",)
+def _note_on_two_tables(evidence: Evidence, table: FoundTable) -> Iterator[str]:
+    if evidence.is_pair:
+        name, other = one_line(table.name, _LONGEST), one_line(table.other, _LONGEST)
+        option = one_line(command_line(("--table", table.name)), _LONGEST)
+        yield f"{name} and {other} change in turn. Their mean is shown. {option} shows only {name}."
 
 
 def notes_on(evidence: Evidence, update: UpdateFound) -> Iterator[str]:

@@ -20,17 +20,8 @@ _USUAL: Final = {
     "action": ("action", "a", "act"),
     "reward": ("reward", "r", "rew"),
     "next_state": (
-        "next_state",
-        "new_state",
-        "next_obs",
-        "next_observation",
-        "s2",
-        "s_next",
-        "s_",
-        "ns",
-        "observation_",
-        "next_s",
-        "sp",
+        *("next_state", "new_state", "next_obs", "next_observation", "s2", "s_next", "s_", "ns"),
+        *("observation_", "next_s", "sp"),
     ),
     "terminated": ("terminated", "term", "terminal", "done"),
 }
@@ -82,6 +73,10 @@ class CodeNames:
         """Write the updated estimate."""
         between = "][" if self.form in _NESTED else ", "
         return f"{self.table}[{self.state}{between}{self.action}]"
+
+    def update(self) -> str:
+        """Write the correct line of the update."""
+        return f"{self.cell()} += {self.alpha} * (target - {self.cell()})"
 
     def rows(self, actions: int) -> str:
         """Write a table with separate rows."""

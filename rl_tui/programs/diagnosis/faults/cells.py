@@ -211,8 +211,7 @@ def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
     if is_swapped:
         if place != _MOVED:
             names = replace(names, value=UpdateTarget.NEXT_ACTION)
-        update = f"{cell} += {names.alpha} * (target - {cell})"
-        return f"{start}swap {names.state} and {names.next_state}: {names.target()}; {update}"
+        return f"{start}swap {names.state} and {names.next_state}: {names.target()}; {names.update()}"
     other = replace(names, state=names.next_state).cell()
     return f"{start}update {cell}, not {other}, and set {names.state} = {names.next_state} after that"
 

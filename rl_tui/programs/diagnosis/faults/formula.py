@@ -127,7 +127,7 @@ def proof_of_formula(
         f"{written(sample.change[place])}. All {int(formula.steps.sum()):,} examined steps within episodes "
         f"change an estimate by {formula}. It should be α (r + γ {_TEXTS[formula.target]} − Q(s, a)). "
         f"{mistake.text}",
-        f"{right.target()}; {names.cell()} += {names.alpha} * (target - {names.cell()})",
+        f"{right.target()}; {right.update()}",
         certainty=mistake.certainty,
     )
 

@@ -431,10 +431,7 @@ HYPOTHESES: Final = (
         wrong=_with_or_without,
         right=_allowed,
         text=_step_size_text,
-        correction=lambda case: (
-            f"choose 0 < {case.names.alpha} ≤ 1: {case.names.cell()} += {case.names.alpha} * (target - "
-            f"{case.names.cell()})"
-        ),
+        correction=lambda case: f"choose 0 < {case.names.alpha} ≤ 1: {case.names.update()}",
     ),
 )
 """The bugs in the target of a known update, and in its ends and numbers."""

@@ -118,7 +118,7 @@ def _reward_at(step: int, reward: float) -> str:
 
 
 def _fix(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: ProgramCode) -> str:
-    update = f"{names.cell()} += {names.alpha} * (target - {names.cell()})"
+    update = names.update()
     if code.lacks_update:
         return f"add the missing update: {names.target()}; {update}"
     left = code.left_before_update()
