@@ -147,19 +147,8 @@ def shapes_in_words() -> str:
 
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "state": (
-        *(
-            "s",
-            "state",
-            "obs",
-            "observation",
-            "current_state",
-            "prev_state",
-            "last_state",
-            "st",
-            "s0",
-            "state1",
-        ),
-        *("old_state", "old_obs", "discrete_obs", "cur_state"),
+        *("s", "state", "obs", "observation", "current_state", "prev_state", "last_state", "st", "s0"),
+        *("state1", "old_state", "old_obs", "discrete_obs", "cur_state"),
     ),
     "action": ("a", "action", "act", "last_action", "prev_action", "a0", "action1"),
     "reward": ("r", "reward", "rew"),
