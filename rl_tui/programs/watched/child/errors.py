@@ -9,7 +9,7 @@ import sysconfig
 import traceback
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any, Final
 
 from rl_tui.common.errors import UserError
@@ -43,11 +43,15 @@ def is_users_file(file: str) -> bool:
 
 def users_place(frame: FrameType | None) -> tuple[str, int] | None:
     """Return file and line of the user's code in or above `frame`."""
+    users = (each for each in with_callers(frame) if is_users_file(each.f_code.co_filename))
+    return next(((each.f_code.co_filename, line_of(each)) for each in users), None)
+
+
+def with_callers(frame: FrameType | None) -> Iterator[FrameType]:
+    """Yield `frame` and all frames above it."""
     while frame is not None:
-        if is_users_file(frame.f_code.co_filename):
-            return frame.f_code.co_filename, line_of(frame)
+        yield frame
         frame = frame.f_back
-    return None
 
 
 def line_of(frame: FrameType) -> int:
@@ -62,7 +66,9 @@ def described(error: BaseException) -> dict[str, Any]:
     """Describe `error` without our frames, at the innermost place in the user's code or the syntax error."""
     if isinstance(error, UserError) and isinstance(error.__cause__, SyntaxError):
         error = error.__cause__
-    frames = [each for each in _walk(error.__traceback__) if not _is_ours(each[0].f_code.co_filename)]
+    frames = [
+        each for each in traceback.walk_tb(error.__traceback__) if not _is_ours(each[0].f_code.co_filename)
+    ]
     own = [each for each in frames if is_users_file(each[0].f_code.co_filename)] or frames
     file, line = (own[-1][0].f_code.co_filename, own[-1][1]) if own else ("", None)
     if isinstance(error, SyntaxError) and error.filename:
@@ -76,12 +82,6 @@ def described(error: BaseException) -> dict[str, Any]:
         "line": line,
         "traceback": _bounded(_formatted(error), _LONGEST_TRACEBACK),
     }
-
-
-def _walk(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
-    while trace is not None:
-        yield trace.tb_frame, trace.tb_lineno
-        trace = trace.tb_next
 
 
 def _is_ours(file: str) -> bool:

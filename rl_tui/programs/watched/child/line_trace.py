@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from types import CodeType, FrameType
 from typing import Any, Final
 
-from rl_tui.programs.watched.child.errors import is_users_file, line_of
+from rl_tui.programs.watched.child.errors import is_users_file, line_of, with_callers
 from rl_tui.programs.watched.child.script import loaded_tree
 
 Place = tuple[str, int]
@@ -89,9 +89,8 @@ class LineTrace:
                 self._changes[self._place] += 1
 
     def _place_of(self, frame: FrameType | None) -> Place | None:
-        while frame is not None and not self.is_users(frame.f_code):
-            frame = frame.f_back
-        return None if frame is None else (frame.f_code.co_filename, line_of(frame))
+        users = (each for each in with_callers(frame) if self.is_users(each.f_code))
+        return next(((each.f_code.co_filename, line_of(each)) for each in users), None)
 
 
 class _Tracing:
@@ -102,19 +101,17 @@ class _Tracing:
         """Return False if a debugger is active."""
         if sys.gettrace() is not None:
             return False
-        while frame is not None:
-            if self._trace.is_users(frame.f_code):
-                frame.f_trace = self._in_function
-            frame = frame.f_back
+        for each in with_callers(frame):
+            if self._trace.is_users(each.f_code):
+                each.f_trace = self._in_function
         sys.settrace(self._at_call)
         return True
 
     def stop(self, frame: FrameType | None) -> None:
         sys.settrace(None)
-        while frame is not None:
-            if frame.f_trace == self._in_function:
-                frame.f_trace = None
-            frame = frame.f_back
+        for each in with_callers(frame):
+            if each.f_trace == self._in_function:
+                each.f_trace = None
 
     def _at_call(self, frame: FrameType, event: str, _: Any) -> Any:
         return self._in_function if event == "call" and self._trace.is_users(frame.f_code) else None

@@ -14,7 +14,7 @@ import numpy as np
 
 from rl_tui.programs.watched.child.channel import Channel, Gate
 from rl_tui.programs.watched.child.environments.numbering import Numbering
-from rl_tui.programs.watched.child.errors import is_users_file, users_place
+from rl_tui.programs.watched.child.errors import is_users_file, users_place, with_callers
 from rl_tui.programs.watched.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.programs.watched.child.tables.forms import Doubles, HeldTable
 from rl_tui.programs.watched.child.tables.search import TableCandidate, attributes, candidates, turned_table
@@ -55,13 +55,12 @@ def _scopes(
 ) -> Iterator[tuple[Mapping[str, Any], CodeType | None]]:
     yield scope, None
     seen: set[int] = {id(scope)}
-    while frame is not None:
-        if is_users_file(frame.f_code.co_filename):
-            yield frame.f_locals, frame.f_code
-            if id(frame.f_globals) not in seen and frame.f_locals is not frame.f_globals:
-                yield frame.f_globals, None
-            seen.add(id(frame.f_globals))
-        frame = frame.f_back
+    for each in with_callers(frame):
+        if is_users_file(each.f_code.co_filename):
+            yield each.f_locals, each.f_code
+            if id(each.f_globals) not in seen and each.f_locals is not each.f_globals:
+                yield each.f_globals, None
+            seen.add(id(each.f_globals))
 
 
 def _inside(name: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -16,7 +16,7 @@ from itertools import islice
 from types import CodeType, FrameType
 from typing import Any, Final, NamedTuple
 
-from rl_tui.programs.watched.child.errors import is_users_file
+from rl_tui.programs.watched.child.errors import is_users_file, with_callers
 from rl_tui.programs.watched.child.script import loaded_tree
 
 OLD: Final = 4
@@ -80,7 +80,7 @@ def reset_result(frame: FrameType, result: tuple[Any, Any]) -> Any:
 def values_around(frame: FrameType | None) -> int:
     """Return how many values most calls of `step` unpack, in the file of `frame` or a caller's."""
     seen = set()
-    for each in islice(_callers(frame), _MOST_FRAMES):
+    for each in islice(with_callers(frame), _MOST_FRAMES):
         file = each.f_code.co_filename
         if file not in seen and is_users_file(file):
             seen.add(file)
@@ -88,12 +88,6 @@ def values_around(frame: FrameType | None) -> int:
                 return found
     main = getattr(sys.modules.get("__main__"), "__file__", None)
     return (values_in(main) if main else 0) or OLD
-
-
-def _callers(frame: FrameType | None) -> Iterator[FrameType]:
-    while frame is not None:
-        yield frame
-        frame = frame.f_back
 
 
 def values_in(file: str) -> int:

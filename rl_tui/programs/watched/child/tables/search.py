@@ -16,7 +16,7 @@ import gymnasium
 import numpy as np
 
 from rl_tui.programs.watched.child.environments.numbering import Numbering
-from rl_tui.programs.watched.child.errors import is_users_file
+from rl_tui.programs.watched.child.errors import is_users_file, with_callers
 from rl_tui.programs.watched.child.tables.forms import HeldTable
 from rl_tui.programs.watched.child.tables.keyed_table import form_of
 
@@ -226,15 +226,13 @@ def turned_table(frame: types.FrameType | None, numbering: Numbering) -> tuple[s
 def ways(frame: types.FrameType | None) -> Iterator[tuple[Way, Any]]:
     """Yield variables above `frame`, the nearest first, and their attributes."""
     seen: set[int] = set()
-    while frame is not None:
-        if not frame.f_globals.get("__name__", "").startswith(_OURS):
-            is_module = frame.f_locals is frame.f_globals
-            if not is_module:
-                yield from _in_scope(frame, frame.f_locals, seen)
-            if id(frame.f_globals) not in seen:
-                seen.add(id(frame.f_globals))
-                yield from _in_scope(None, frame.f_globals, seen)
-        frame = frame.f_back
+    for each in with_callers(frame):
+        if not each.f_globals.get("__name__", "").startswith(_OURS):
+            if each.f_locals is not each.f_globals:
+                yield from _in_scope(each, each.f_locals, seen)
+            if id(each.f_globals) not in seen:
+                seen.add(id(each.f_globals))
+                yield from _in_scope(None, each.f_globals, seen)
 
 
 def _in_scope(

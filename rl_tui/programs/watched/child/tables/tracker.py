@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.programs.watched.child.environments.numbering import Numbering
+from rl_tui.programs.watched.child.errors import with_callers
 from rl_tui.programs.watched.child.tables.forms import Doubles, add_difference, differences_of
 from rl_tui.programs.watched.child.tables.keyed_table import form_of
 from rl_tui.programs.watched.child.tables.search import (
@@ -140,14 +141,12 @@ class TableTracker:
         return False
 
     def _follow(self, frame: FrameType | None) -> None:
-        above = frame
-        while above is not None:
+        for above in with_callers(frame):
             if above.f_code is self._code:
                 way = replace(self.way, frame=above, scope=above.f_locals)
                 if form_of(way.read(), self.numbering) is not None:
                     self.way = way
                     return
-            above = above.f_back
         self._search(frame)
 
     def _search(self, frame: FrameType | None) -> None:
