@@ -175,36 +175,32 @@ _SILENT: Final = 10  # checks without a step before the position is reported
 _FORK: Final = ".*use of fork.. may lead to deadlocks"
 
 
-class _Watchman:
-    """A thread next to the program, which writes pending steps.
+def _watch_beside(channel: Channel, gate: Gate, recorder: Recorder) -> None:
+    """Start a thread next to the program, which writes pending steps.
 
     After a second without a step it reports the program's current line, once. It does not read the table,
     which only the program's own thread may do.
     """
+    program = threading.get_ident()
 
-    def __init__(self, channel: Channel, gate: Gate, recorder: Recorder) -> None:
-        self._channel, self._gate, self._recorder = channel, gate, recorder
-        self._program = threading.get_ident()
-
-    def begin(self) -> None:
-        warnings.filterwarnings("ignore", message=_FORK, category=DeprecationWarning)  # the thread is ours
-        threading.Thread(target=self._watch, name="rl-tui", daemon=True).start()
-
-    def _watch(self) -> None:
+    def watch() -> None:
         count, silent, last_place = -1, 0, None
         while True:
             sleep(_LOOK)
-            is_idle = self._recorder.count == count and not self._gate.is_waiting
-            count, silent = self._recorder.count, silent + 1 if is_idle else 0
-            if self._channel.is_late:
-                self._channel.flush(but_last=silent < _SILENT)
+            is_idle = recorder.count == count and not gate.is_waiting
+            count, silent = recorder.count, silent + 1 if is_idle else 0
+            if channel.is_late:
+                channel.flush(but_last=silent < _SILENT)
             if not silent:
                 last_place = None
             if silent and silent % _SILENT == 0:
-                place = users_place(sys._current_frames().get(self._program))
+                place = users_place(sys._current_frames().get(program))
                 if place is not None and place != last_place:
                     last_place = place
-                    self._channel.message(MessageKind.STANDS, file=place[0], line=place[1])
+                    channel.message(MessageKind.STANDS, file=place[0], line=place[1])
+
+    warnings.filterwarnings("ignore", message=_FORK, category=DeprecationWarning)  # the thread is ours
+    threading.Thread(target=watch, name="rl-tui", daemon=True).start()
 
 
 def _flush_at_exit(recorder: Recorder) -> None:
@@ -246,7 +242,7 @@ def main(said: dict[str, Any]) -> None:
     own_worlds.may_take_over = boxes.table_steps.take_over
     _seed_all(said["seed"])
     _flush_at_exit(recorder)
-    _Watchman(channel, gate, recorder).begin()
+    _watch_beside(channel, gate, recorder)
     channel.message(MessageKind.STARTED)
     path = Path(said["path"])
     watch_file(path)
