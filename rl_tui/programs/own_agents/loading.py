@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -139,20 +139,18 @@ def _place_of(node: ast.ClassDef, tree: ast.Module, folder: Path) -> AgentPlace 
         place = AgentPlace(node.name, style, node.lineno)
     else:
         choose = next((name for name in CHOOSING if name in methods), None)
-        update = next((name for name in LEARNING if name in methods and _learns(methods[name])), None)
+        update = next(
+            (name for name in LEARNING if name in methods and _has_roles(methods[name], OF_LEARNING)), None
+        )
         if choose is None or update is None:
             return None
         place = AgentPlace(node.name, Style.GYMNASIUM, node.lineno, (choose, update))
     return None if any(_is_abstract(methods[name]) for name in place.shape.methods) else place
 
 
-def _learns(method: _Function) -> bool:
-    return _roles(method).issuperset(OF_LEARNING)
-
-
-def _roles(function: _Function) -> set[str]:
+def _has_roles(function: _Function, wanted: Iterable[str]) -> bool:
     parameters = (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs)
-    return {role_of(each.arg) for each in parameters}
+    return {role_of(each.arg) for each in parameters}.issuperset(wanted)
 
 
 def _methods(node: ast.ClassDef, tree: ast.Module, folder: Path, deepest: int) -> dict[str, _Function]:
@@ -205,17 +203,13 @@ def _named(tree: ast.Module, folder: Path, name: str) -> AgentPlace | None:
     for each in tree.body:
         if isinstance(each, ast.ClassDef) and each.name == name:
             return _place_of(each, tree, folder)
-        if isinstance(each, ast.FunctionDef) and each.name == name and _has_roles_of_function(each):
+        if isinstance(each, ast.FunctionDef) and each.name == name and _has_roles(each, OF_FUNCTION):
             return AgentPlace(name, Style.FUNCTION, each.lineno)
     return None
 
 
 def _is_update_function(node: ast.FunctionDef) -> bool:
-    return ("update" in node.name.lower() or "learn" in node.name.lower()) and _has_roles_of_function(node)
-
-
-def _has_roles_of_function(node: ast.FunctionDef) -> bool:
-    return _roles(node).issuperset(OF_FUNCTION)
+    return ("update" in node.name.lower() or "learn" in node.name.lower()) and _has_roles(node, OF_FUNCTION)
 
 
 def _asks_for_name(node: ast.stmt) -> bool:
