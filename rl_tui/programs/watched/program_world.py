@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -97,9 +98,10 @@ def world_of_program(environment: ProgramEnvironment) -> ProgramWorld:
             f"{_name(environment)} has {cells:,} state–action pairs; at most {MOST_PAIRS:,} can be watched"
         )
     for build in (_of_ours, _of_registered, _of_transitions):
-        with_table = _attempt(build, environment)
-        if with_table is not None:
-            return with_table
+        with suppress(Exception):  # an environment may raise anything here
+            found = build(environment)
+            if found is not None:
+                return found
     return _program_world(_scenario(environment, _Unknown()), _bare_world(environment), environment)
 
 
@@ -108,15 +110,6 @@ class _Unknown(WorldSection):
         raise WorldRefusedError(
             ("id",), "a world that only the program knows", "a world that rl-tui can create"
         )
-
-
-def _attempt(
-    build: Callable[[ProgramEnvironment], ProgramWorld | None], environment: ProgramEnvironment
-) -> ProgramWorld | None:
-    try:
-        return build(environment)
-    except Exception:  # an environment may raise anything here
-        return None
 
 
 def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
