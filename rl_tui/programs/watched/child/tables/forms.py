@@ -45,12 +45,6 @@ def is_entry(value: object) -> bool:
     return type(value) is float or is_number(value) or (type(value) is np.ndarray and value.size == 1)
 
 
-def add_difference(cell: int, before: float, after: float, found: list[float]) -> None:
-    """Append a difference of one cell to `found`."""
-    if before != after and (before == before or after == after):  # two NaN count as equal
-        found += (cell, before, after)
-
-
 def add_differences(first_cell: int, pairs: Iterable[tuple[float, float]], found: list[float]) -> None:
     """Append the differences in (before, after) `pairs` of neighbouring cells."""
     for cell, (before, after) in enumerate(pairs, first_cell):

@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.programs.watched.child.environments.numbering import Numbering
 from rl_tui.programs.watched.child.errors import with_callers
-from rl_tui.programs.watched.child.tables.forms import Doubles, add_difference, differences_of
+from rl_tui.programs.watched.child.tables.forms import Doubles, add_differences, differences_of
 from rl_tui.programs.watched.child.tables.keyed_table import form_of
 from rl_tui.programs.watched.child.tables.search import (
     EntryWay,
@@ -247,8 +247,7 @@ class _PairTracker(TableTracker):
         self.is_another = True
         self._on_pair(self._twin.way.name(), np.concatenate(both))
         found: list[float] = []
-        for cell, before in enumerate(self._values[0]):
-            add_difference(cell, before, self._mean(cell), found)
+        add_differences(0, ((before, self._mean(cell)) for cell, before in enumerate(self._values[0])), found)
         return found
 
     def _of_mean(self, found: list[float], place: int) -> list[float]:
@@ -259,7 +258,7 @@ class _PairTracker(TableTracker):
             cell = int(found[at])
             before = self._mean(cell)
             values[cell] = found[at + 2]
-            add_difference(cell, before, self._mean(cell), mean)
+            add_differences(cell, [(before, self._mean(cell))], mean)
         if found:
             offset = (1 + place) * len(values)
             self._on_changes([x + offset * (at % _NUMBERS == 0) for at, x in enumerate(found)])
