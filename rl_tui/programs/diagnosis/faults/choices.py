@@ -78,25 +78,15 @@ def _proof(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) 
     others = len(evidence) - len(chosen)
     the_last = "the last " if evidence.recording.first else ""
     without = f"No reward was seen in {the_last}{episodes:,} episodes, and nothing was learned."
-    if not others:
-        return Proof(
-            CodeFault.NEVER_EXPLORES,
-            evidence.number[chosen],
-            0,
-            f"All {len(chosen):,} actions were action {favourite}. {without}",
-            f"take a random action with probability ε, otherwise one of the best: {names.action} = "
-            f"random.randrange({evidence.actions})",
-            ProgramCode.choice_line,
-        )
-    return Proof(
-        CodeFault.FIRST_OF_TIES,
-        evidence.number[chosen],
-        others,
-        f"{len(chosen):,} of {len(evidence):,} choices between equal values were action "
-        f"{favourite}. {without}",
-        f"choose at random among the best actions: {names.random_tie()}",
-        ProgramCode.choice_line,
-    )
+    if others:
+        fault, were = CodeFault.FIRST_OF_TIES, f"of {len(evidence):,} choices between equal values were"
+        fix = f"choose at random among the best actions: {names.random_tie()}"
+    else:
+        fault, were = CodeFault.NEVER_EXPLORES, "actions were"
+        random = f"{names.action} = random.randrange({evidence.actions})"
+        fix = f"take a random action with probability ε, otherwise one of the best: {random}"
+    text = f"{'' if others else 'All '}{len(chosen):,} {were} action {favourite}. {without}"
+    return Proof(fault, evidence.number[chosen], others, text, fix, ProgramCode.choice_line)
 
 
 # Steps after the end
