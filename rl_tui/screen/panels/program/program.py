@@ -94,11 +94,9 @@ def _cut(lines: list[Line], rows: int, look: Look, width: int, more: str = "") -
 def _unfinished(line: Line, look: Look, width: int, more: str) -> Line:
     *whole, last = spelled(line, look)
     room = max(0, width - length(whole) - 1)
-    if 2 * cell_len(more) < room:
-        text = set_cell_size(last.text, min(cell_len(last.text), room - cell_len(more))).rstrip()
-        return [*whole, Piece(text + look.glyphs.ellipsis + more, last.style)]
-    text = set_cell_size(last.text, min(cell_len(last.text), room)).rstrip()
-    return [*whole, Piece(text + look.glyphs.ellipsis, last.style)]
+    ending = more if 2 * cell_len(more) < room else ""
+    text = set_cell_size(last.text, min(cell_len(last.text), room - cell_len(ending))).rstrip()
+    return [*whole, Piece(text + look.glyphs.ellipsis + ending, last.style)]
 
 
 def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Part]:
