@@ -53,7 +53,7 @@ def test_of_q_learning_each_part_is_the_one_of_the_update() -> None:
     for story in stories(recording):
         ended = bool(steps.terminated[story.step])
         row = recording.table_at(story.step).reshape(-1, 3)[steps.next_state[story.step]]
-        assert (story.step_size, story.gamma) == (0.1, 0.9)
+        assert (story.step_size, story.discount) == (0.1, 0.9)
         assert story.gathered == steps.reward[story.step]
         assert story.bootstrap == (0.0 if ended else row.max())
         assert story.bootstrap_state == (NOTHING if ended else steps.next_state[story.step])

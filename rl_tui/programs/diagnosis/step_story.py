@@ -31,7 +31,7 @@ class StepUpdate:
 
     As in `LastStep`, after = before + step_size · (gathered + discount · bootstrap − before). The parts are
     None if the update is unknown, or the step departs from it. `cell` and `bootstrap_state` are −1 if
-    unknown. Steps count from 0, and `gamma` is the discount of the rule.
+    unknown. Steps count from 0.
     """
 
     step: int
@@ -40,7 +40,6 @@ class StepUpdate:
     before: float = 0.0
     after: float = 0.0
     step_size: float | None = None
-    gamma: float | None = None
     gathered: float | None = None
     discount: float | None = None
     bootstrap: float | None = None
@@ -145,7 +144,6 @@ def _with_parts(
             return replace(
                 bare,
                 step_size=alpha,
-                gamma=gamma,
                 gathered=whole - gamma * value if update.reward == "own" else reward,
                 discount=gamma,
                 bootstrap=value,
