@@ -30,7 +30,7 @@ from rl_tui.programs.evidence.syntax import (
 from rl_tui.programs.own_agents.binding import Style
 
 if TYPE_CHECKING:
-    from rl_tui.programs.watched.program_log import FoundTable, ProgramAgent, ProgramLog
+    from rl_tui.programs.watched.program_log import ProgramAgent, ProgramLog
 
 
 # Functions that only read
@@ -107,7 +107,7 @@ def program_code(log: ProgramLog) -> ProgramCode:
         tuple((file, tree) for file, tree in trees if tree is not None),
         tuple(log.called.items()),
         None if changed_most is None else CodeLine(*changed_most),
-        log.table,
+        "" if log.table is None else log.table.name.rpartition(".")[2],
         log.agent,
     )
 
@@ -117,7 +117,7 @@ def _code_of(
     trees: tuple[tuple[str, ast.Module], ...],
     called: tuple[tuple[str, tuple[str, int]], ...],
     changed_most: CodeLine | None,
-    table: FoundTable | None,
+    table: str,
     agent: ProgramAgent | None,
 ) -> ProgramCode:
     return ProgramCode(dict(trees), dict(called), changed_most, table, agent)
@@ -131,12 +131,11 @@ class ProgramCode:
         trees: Mapping[str, ast.Module],
         called: Mapping[str, tuple[str, int]],
         changed_most: CodeLine | None,
-        table: FoundTable | None,
+        table: str,
         agent: ProgramAgent | None,
     ) -> None:
         self._trees, self._called, self._changed_most = trees, called, changed_most
-        self._table, self._agent = table, agent
-        self._name = "" if table is None else table.name.rpartition(".")[2]
+        self._name, self._agent = table, agent
         self._scopes: dict[CodeLine, ast.AST | None] = {}
 
     @cached_property
@@ -334,8 +333,6 @@ class ProgramCode:
 
     def table_line(self) -> CodeLine | None:
         """Return the line that makes the table."""
-        if self._table is not None and self._table.file and self._table.line:
-            return CodeLine(self._table.file, self._table.line)
         for each in self._statements:
             target, value = assigned(each.node)
             if target is None or value is None or name_of(target) != self._name:

@@ -87,8 +87,8 @@ class MessageKind:
     …], start: probability of each start state, or null
     """
     TABLE: Final = "table"
-    """step, name, form, shape, dtype, actions (A), others (names), shared (bool); file, line: where it was
-    made, if known. A frame with its content follows.
+    """step, name, form, shape, dtype, actions (A), others (names), other_forms, shared (bool). A frame with
+    its content follows.
     """
     REBOUND: Final = "rebound"
     """step: another object is the table now. Its differences are sent as changes."""

@@ -84,9 +84,6 @@ class FoundTable:
     """NumPy's name, or "" for Python numbers."""
     others: tuple[str, ...] = ()
     other_forms: tuple[str, ...] = ()
-    file: str = ""
-    line: int | None = None
-    """Line that made it, if known."""
     other: str = ""
     """Path of another table, if both change in turn. The recorded one is their mean then."""
 
