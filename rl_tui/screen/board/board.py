@@ -227,12 +227,13 @@ class Board(Container):
         if self._pair.is_shown and self._snapshot is not None:
             self._pair.mark(as_learned(self._snapshot), self.wanted_layer)
         for panel in self._panels.values():
-            panel.is_explained = legends.is_on
+            was_explained, panel.is_explained = panel.is_explained, legends.is_on
             if isinstance(panel, WorldView | QTable):
                 panel.wanted_layer = self.wanted_layer
             if isinstance(panel, WorldView):
                 panel.is_numbered, panel.shows_actions = legends.numbers_states, legends.shows_actions
-            panel.redraw()
+            if isinstance(panel, WorldView | QTable) or panel.is_explained != was_explained:
+                panel.redraw()
 
     def _shown(self) -> Iterator[BoardPanel]:
         shape, opened, pair = self._arrangement.shape, self.opened, self._pair
