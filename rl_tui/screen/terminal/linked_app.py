@@ -193,6 +193,8 @@ class LinkedApp(App[ReturnType]):
                     if strip is not None and x <= end and piece_end > start:
                         is_inside = start <= x and piece_end <= end
                         buffer.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
+                    if strip is not None:
+                        _untie(strip)
         output.send()
         self._painted.set()
 
@@ -227,7 +229,18 @@ class LinkedApp(App[ReturnType]):
 
 def _put_lines(update: _Lines, buffer: ScreenBuffer) -> None:
     for y, strips in enumerate(update.strips, update.region.y):
+        strips = list(strips)
         buffer.put(update.region.x, y, (segment for strip in strips for segment in strip))
+        for strip in strips:
+            _untie(strip)
+
+
+def _untie(strip: Strip) -> None:
+    # Textual's strips hold themselves in a cache, so only the garbage collector could free them: several
+    # hundred a second, and its search stops all threads for a tenth of a second
+    cache = getattr(strip, "_divide_cache", None)
+    if cache is not None:
+        cache.clear()
 
 
 def _bounded(size: Size) -> Size:

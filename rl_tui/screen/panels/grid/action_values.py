@@ -32,8 +32,8 @@ from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
-_MOST_KEPT: Final = 4_096
-_MOST_TEXTS: Final = 20_000
+_MOST_KEPT: Final = 2_048
+_MOST_TEXTS: Final = 8_192
 _AROUND_MIDDLE: Final = 5  # columns between the numbers beside the middle, if they fit
 
 

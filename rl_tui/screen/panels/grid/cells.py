@@ -23,8 +23,9 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
-_MOST_KEPT: Final = 20_000
-MOST_ROWS: Final = 512
+# as many as a large screen shows. More would make garbage collections longer
+_MOST_KEPT: Final = 2_048
+MOST_ROWS: Final = 64
 
 
 class CellArtist:

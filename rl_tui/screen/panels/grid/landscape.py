@@ -22,6 +22,7 @@ from textual.strip import Strip
 
 from rl_tui.screen.draw.scale import round_step
 from rl_tui.screen.kit.value_scale import ValueScale
+from rl_tui.screen.panels.grid.cells import MOST_ROWS
 from rl_tui.screen.panels.grid.map import CellContent, MapPart
 from rl_tui.screen.panels.grid.marks import SEVERAL, sign_text
 from rl_tui.screen.theme.look import Look
@@ -193,7 +194,7 @@ class LandscapeArtist:
         self.step = 0.0
         """The step of the lines of the last landscape."""
         self._pixels: tuple[object, IntArray] | None = None
-        self._row = lru_cache(_MOST_KEPT)(self._drawn_row)
+        self._row = lru_cache(MOST_ROWS)(self._drawn_row)
         self._pair = lru_cache(_MOST_KEPT)(self._style)
         self._ink = lru_cache(_MOST_KEPT)(self._ink_on)
 
