@@ -41,10 +41,11 @@ _CELLS_APART: Final = 3  # at least, so that they do not look like a comb
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """The columns that show ``axis``, until step ``end``."""
+    """The columns that show ``axis``, until step ``end``, with ``labels`` columns after them."""
 
     start: int
     columns: int
+    labels: int
     axis: EpisodeAxis
     end: int
 
@@ -100,7 +101,8 @@ def known_end(snapshot: Snapshot) -> Furthest:
 def track_of(snapshot: Snapshot, look: Look, width: int) -> Track:
     """Return the track, with the curve's columns."""
     columns = plot_columns(snapshot, look, width)
-    return Track(columns.left, columns.columns, episode_axis(snapshot), snapshot.timeline.current.end)
+    axis, end = episode_axis(snapshot), snapshot.timeline.current.end
+    return Track(columns.left, columns.columns, columns.labels, axis, end)
 
 
 def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
@@ -112,7 +114,6 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
         text = shortened(f" timeline: no {unit} yet ", width, look.glyphs.ellipsis)
         canvas.put(0, 0, text, palette.focus if state.focused else palette.dim)
         return canvas.strips()[0]
-    columns = plot_columns(state.snapshot, look, width)
     track = track_of(state.snapshot, look, width)
     in_past = state.at < track.end
     calm = palette.press if in_past else palette.dim
@@ -121,9 +122,9 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
         begins = f"b{number}" if len(timeline.branches) > 1 else f"{state.unit} 0"
         if len(begins) < track.start:  # a mere 0 would seem to belong to the axis above
             canvas.put(track.start - 1 - len(begins), 0, begins, calm)
-    gap = label_gap(columns.labels)
-    label = next((each for each in _labels(state, track) if len(each) <= columns.labels - gap), "")
-    canvas.put(width - columns.labels + gap, 0, label, palette.focus if state.focused else calm)
+    gap = label_gap(track.labels)
+    label = next((each for each in _labels(state, track) if len(each) <= track.labels - gap), "")
+    canvas.put(width - track.labels + gap, 0, label, palette.focus if state.focused else calm)
     _draw_track(canvas, track, state, look)
     return canvas.strips()[0]
 
@@ -158,13 +159,13 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
 
 def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[str, Style]]:
     palette, glyphs, snapshot = look.palette, look.glyphs, state.snapshot
-    branch, results = snapshot.timeline.current, known_end(state.snapshot).results
+    branch, results = snapshot.timeline.current, known_end(snapshot).results
     gold = Style(color=palette.goal.color, bold=True)
     changed = {kind: _cells(branch, kind, track) for kind in _CHANGES}
     first = first_reward(results) if state.unit == "ep" else None
     events = (
         (glyphs.manual_mark, palette.text, changed[TakeAction]),
-        (glyphs.policy_mark, palette.dim, _policies(state, track)),
+        (glyphs.policy_mark, palette.dim, [] if hides_greedy(snapshot) else _policies(results, track)),
         (glyphs.goal, gold, [] if first is None else [track.column_of(first)]),
         (glyphs.setting_mark, palette.text, changed[_SETTINGS]),
         (glyphs.fork_mark, palette.strong, [] if branch.parent is None else [track.cell_of(branch.fork)]),
@@ -213,9 +214,9 @@ def first_reward(results: RunResults) -> float | None:
     return float(curve.episode[first - 1])
 
 
-def _policies(state: TimelineState, track: Track) -> list[int]:
-    marks = known_end(state.snapshot).results.marks
-    if hides_greedy(state.snapshot) or not len(marks.episode):
+def _policies(results: RunResults, track: Track) -> list[int]:
+    marks = results.marks
+    if not len(marks.episode):
         return []
     values = marks.expected_return
     same = np.isclose(values[1:], values[:-1], rtol=0.0, atol=NEGLIGIBLE, equal_nan=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Final
 
 from rich.color import Color, ColorSystem, ColorType, blend_rgb
@@ -88,7 +88,7 @@ def readable(style: Style, on: Style) -> Style:
 # Roles
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Palette:
     """The styles of one colour depth on a dark or a light background, none of them empty.
 
@@ -130,7 +130,7 @@ class Palette:
     focus: Style
     breakpoint: Style
 
-    @property
+    @cached_property
     def tells_lanes_apart(self) -> bool:
         """True if fixed colours distinguish the runs for every eye."""
         return all(
@@ -138,12 +138,12 @@ class Palette:
             for style in self.lanes
         )
 
-    @property
+    @cached_property
     def tints(self) -> bool:
         """True if values have background colours."""
         return any(style.bgcolor is not None for style in self.values)
 
-    @property
+    @cached_property
     def has_shades(self) -> bool:
         """True if there are paler inks and colours on tints."""
         return self.tints and self.tells_lanes_apart

@@ -412,7 +412,7 @@ class ReturnCurve(Panel, can_focus=True):
         has_figures = is_calm and snapshot.program is None
         notes.append(off_axis_note(drawn, plot, glyphs, decimals, with_figures=has_figures))
         notes.append(gap_note(data, plot))
-        if self.is_explained:
+        if self.is_explained and is_calm:
             notes.append(event_notes(snapshot, self.look, width))
         notes = [each for each in notes if each]
         head = self.fitting(titles[1:] if notes and len(titles) > 2 else titles, width)
