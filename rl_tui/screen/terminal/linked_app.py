@@ -190,11 +190,9 @@ class LinkedApp(App[ReturnType]):
             for y, start, end in update.spans:
                 # like Textual: pieces that start in the span, cut at its end
                 for (x, strip), piece_end in zip(update.chops[y].items(), update.chop_ends[y], strict=True):
-                    if strip is not None and x <= end and piece_end > start:
+                    if strip is not None and _untied(strip) and x <= end and piece_end > start:
                         is_inside = start <= x and piece_end <= end
                         buffer.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
-                    if strip is not None:
-                        _untie(strip)
         output.send()
         self._painted.set()
 
@@ -229,18 +227,14 @@ class LinkedApp(App[ReturnType]):
 
 def _put_lines(update: _Lines, buffer: ScreenBuffer) -> None:
     for y, strips in enumerate(update.strips, update.region.y):
-        strips = list(strips)
-        buffer.put(update.region.x, y, (segment for strip in strips for segment in strip))
-        for strip in strips:
-            _untie(strip)
+        buffer.put(update.region.x, y, (segment for strip in map(_untied, strips) for segment in strip))
 
 
-def _untie(strip: Strip) -> None:
-    # Textual's strips hold themselves in a cache, so only the garbage collector could free them: several
-    # hundred a second, and its search stops all threads for a tenth of a second
-    cache = getattr(strip, "_divide_cache", None)
-    if cache is not None:
-        cache.clear()
+def _untied(strip: Strip) -> Strip:
+    # Textual's strips hold themselves in this cache. Without references in a circle they need no garbage
+    # collection, which stops all threads for a tenth of a second
+    getattr(strip, "_divide_cache", set()).clear()
+    return strip
 
 
 def _bounded(size: Size) -> Size:

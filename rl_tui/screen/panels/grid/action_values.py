@@ -16,7 +16,7 @@ from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.screen.panels.grid.cell import Face
-from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist
+from rl_tui.screen.panels.grid.cells import MOST_KEPT, MOST_ROWS, CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, CellExtra, MapPart
 from rl_tui.screen.panels.grid.marks import (
@@ -32,8 +32,6 @@ from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
-_MOST_KEPT: Final = 2_048
-_MOST_TEXTS: Final = 8_192
 _AROUND_MIDDLE: Final = 5  # columns between the numbers beside the middle, if they fit
 
 
@@ -70,8 +68,8 @@ class ActionArtist:
         self._idle = CellArtist(look, CellForm(form.width, form.height))  # for cells without values
         # equal rows are drawn once
         self.strips = lru_cache(MOST_ROWS)(self._strips)
-        self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
-        self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))
+        self._drawn = lru_cache(MOST_KEPT)(partial(_drawn, form=form, look=look))
+        self._text = lru_cache(MOST_KEPT)(partial(value_text, look=look))
 
     def shown_reward(self, reward: CellReward) -> str:
         """Write a cell's reward."""

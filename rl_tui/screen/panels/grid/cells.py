@@ -23,8 +23,7 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
-# as many as a large screen shows. More would make garbage collections longer
-_MOST_KEPT: Final = 2_048
+MOST_KEPT: Final = 2_048  # as on a large screen. More would make garbage collections longer
 MOST_ROWS: Final = 64
 
 
@@ -45,8 +44,8 @@ class CellArtist:
         }
         # equal rows are drawn once
         self.strips = lru_cache(MOST_ROWS)(self._strips)
-        self._drawn = lru_cache(_MOST_KEPT)(partial(drawn_cell, form=form, look=look))
-        self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
+        self._drawn = lru_cache(MOST_KEPT)(partial(drawn_cell, form=form, look=look))
+        self._text = lru_cache(MOST_KEPT)(partial(value_text, look=look))
 
     def _strips(self, faces: tuple[Face, ...], width: int) -> tuple[Strip, ...]:
         return strips_of_row([self.drawn(face) for face in faces], width, self.look.palette.text)
