@@ -52,8 +52,7 @@ class Pace:
         if self._speed <= 1 / TICK:
             return max(ahead, 0.0)
         # Steps that became due during the last ones do not count yet: without a pause the player's thread
-        # would
-        # never release its lock
+        # would never release its lock
         return 0.0 if ahead < -TICK else max(ahead, TICK)
 
 
