@@ -251,7 +251,7 @@ class _Cell:
         room = form.inner - free
         columns = min(2 * rows, (room + 1) // count - 1 if count > 1 else room)
         columns -= columns > 3 and columns % 2
-        if len(directions) < count or columns < _LEAST_ARROW or (count > 1 and rows == _LEAST_ARROW):
+        if len(directions) < count or columns <= _LEAST_ARROW or (count > 1 and rows == _LEAST_ARROW):
             return False
         gap = min(2, (room - count * columns) // max(1, count - 1))
         left = free + (room - count * columns - (count - 1) * gap) // 2
