@@ -101,6 +101,10 @@ def test_lines_are_where_v_passes_a_step_and_a_plain_has_none() -> None:
     assert not (pixels(plain, CELL, SCALE, 0.2) % 2 == 1).any()
 
 
+def test_a_plain_at_0_has_one_colour() -> None:
+    assert len(np.unique(pixels(np.zeros((4, 12)), Size(7, 2), ValueScale(-1.0, 1.0), 0.2))) == 1
+
+
 def test_a_slope_so_steep_that_its_lines_would_touch_has_none() -> None:
     assert not (pixels(SLOPE, CELL, SCALE, 0.02) % 2 == 1).any()
 

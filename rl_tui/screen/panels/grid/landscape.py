@@ -44,7 +44,7 @@ _MOST_LINES: Final = 80
 _CELLS_A_LINE: Final = 1.5  # for the typical difference between cells
 _CLOSEST: Final = 2.5  # pixels between lines: steeper slopes have none
 _INKS: Final = (0.0, 0.4)  # share of black in a pixel: none, line
-_TINTS: Final = 32
+_TINTS: Final = 33  # odd, so that 0 has its own on a signed scale
 _MOST_KEPT: Final = 4_096
 _BLACK, _WHITE = ColorTriplet(0, 0, 0), ColorTriplet(255, 255, 255)
 
