@@ -12,9 +12,13 @@ from snapshots import changed
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.results import Curve
 from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.draw.scale import Scale
 from rl_tui.screen.panels.curve import text as words
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_cells
 from rl_tui.screen.theme.look import Look
 
 NARROW, WIDE, BROAD = (40, 7), (64, 14), (110, 14)
@@ -168,6 +172,23 @@ def test_lanes_that_run_alike_are_both_seen() -> None:
     same = changed(side_by_side(2), lanes=(first, replace(first, name=second.name)))
     palette = look().palette
     assert {palette.lanes[0], palette.lanes[1]} <= dotted(same)
+
+
+def test_arrows_of_runs_below_the_axis_stand_side_by_side() -> None:
+    falls = replace(curve(40, 0.0, 0.7, 12_500), return_mean=np.array([-90.0] * 2 + [0.5] * 38))
+    runs = tuple(changed(each, curve=falls) for each in lane_views(2))
+    _, widget = drawn(changed(side_by_side(2), lanes=runs))
+    lowest = widget.picture(widget.snapshot, *WIDE)[-1]
+    arrows = [piece.style for piece in lowest for character in piece.text if character == "▾"]
+    assert arrows[:2] == [*look().palette.lanes[:2]]
+
+
+def test_bands_of_runs_that_overlap_are_both_seen() -> None:
+    steps = Steps(np.zeros(1), np.full(1, 40.0), np.zeros(1), np.ones(1))
+    bands = [SeedBand(number, 8, "", "", steps, None) for number in (1, 2)]
+    codes, whose = seed_cells(Plot(0, 8, 2, 40.0, Scale(0.0, 1.0, 0.1)), bands, look())
+    assert (codes > 0).all()
+    assert whose.tolist() == [[1, 1, 2, 2, 1, 1, 2, 2]] * 2
 
 
 def test_a_greedy_line_that_goes_up_and_down_covers_no_lane() -> None:

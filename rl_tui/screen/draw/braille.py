@@ -13,7 +13,7 @@ DOTS_DOWN: Final = 4
 BLANK: Final = 0x2800
 LEVELS: Final = tuple(map(ord, "⠉⠒⠤⣀"))
 """Level lines, highest first."""
-_TURN: Final = 2  # columns in which one of several lines in the same cells is seen
+TURN: Final = 2  # columns in which one of several lines in the same cells is seen
 # Bits of the dots in the Unicode block "Braille Patterns", [row in the cell][column in the cell]
 _BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype=np.uint8)
 
@@ -107,6 +107,6 @@ def in_turns(there: BoolArray) -> IntArray:
     """
     among = np.cumsum(there, axis=0)
     count = among[-1]
-    turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
+    turn = np.arange(there.shape[2]) // TURN % np.maximum(count, 1)
     chosen = there & (among == turn + 1)
     return np.where(count > 0, chosen.argmax(axis=0), -1)

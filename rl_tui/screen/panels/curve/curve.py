@@ -215,14 +215,16 @@ def _level(plot: Plot, data: CurveData, value: float) -> tuple[int, slice]:
 
 
 def _put_outliers(codes: IntArray, kind: IntArray, plot: Plot, line: Steps, own: int, look: Look) -> None:
-    away = plot.below(line)
+    sign = ord(look.glyphs.off_axis[0])
+    is_taken = (codes[-1] == sign) & (kind[-1] != _OUTLIER)  # by another line
+    away = plot.below(line) & ~is_taken
     if not away.any():
         return
     places = np.arange(plot.columns)
     begins = away & ~np.concatenate(([False], away[:-1]))
     since = places - np.maximum.accumulate(np.where(begins, places, 0))
     there = away & (since % _ARROWS_APART == 0)
-    codes[-1, there], kind[-1, there] = ord(look.glyphs.off_axis[0]), own
+    codes[-1, there], kind[-1, there] = sign, own
 
 
 def _styles(data: CurveData, palette: Palette, grounds: tuple[Style, ...]) -> list[list[Style]]:

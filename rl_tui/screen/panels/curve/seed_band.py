@@ -81,14 +81,17 @@ def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntAr
     """Return characters (0: none) and run numbers, [rows, columns] each."""
     codes = np.zeros((plot.rows, plot.columns), dtype=np.int64)
     whose = np.zeros_like(codes)
-    for each in seeds:
+    turn = np.arange(plot.columns) // braille.TURN % max(1, len(seeds))  # where bands overlap
+    for number, each in enumerate(seeds):
         if look.glyphs.braille:
             columns, rows = plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN
             drawn = braille.braille_codes(plot.filled_dots(each.band, columns, rows))
-            drawn[drawn == braille.BLANK] = 0
+            there = drawn > braille.BLANK
         else:
-            drawn = np.where(plot.filled_dots(each.band, plot.columns, plot.rows), ord("="), 0)
-        codes[drawn > 0], whose[drawn > 0] = drawn[drawn > 0], each.number
+            there = plot.filled_dots(each.band, plot.columns, plot.rows)
+            drawn = np.full_like(codes, ord("="))
+        there &= (codes == 0) | (turn == number)
+        codes[there], whose[there] = drawn[there], each.number
     return codes, whose
 
 
