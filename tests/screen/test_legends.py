@@ -73,6 +73,15 @@ def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> Non
         assert explained(QTable(look()), lake(), width, 12).foot.startswith(expected)
 
 
+def test_signs_on_the_border_have_the_styles_that_they_explain() -> None:
+    table = explained(QTable(look()), lake(), 70, 12)
+    palette = look().palette
+    styled = [(each.text, each.style) for each in table.foot_pieces(table.foot, look())]
+    assert styled[0] == ("▌▐", palette.best)
+    assert ("◉", palette.agent) in styled
+    assert styled[1] == (" greedy · ", palette.dim)
+
+
 def test_signs_stand_closer_where_all_of_them_fit_so() -> None:
     signs = tuple(LegendSign(sign, meaning, Style()) for sign, meaning in (("a", "agent"), ("b", "hole")))
     assert legend_text(signs, 16, look()) == "a agent · b hole"

@@ -257,8 +257,9 @@ class QTable(Panel, can_focus=True):
         self._show_moved()
 
     def foot_pieces(self, foot: str, look: Look) -> tuple[Segment, ...]:
-        """Style keys, and the layer."""
-        return footing_pieces(foot, self._named_layer, self.layer_choices, look)
+        """Style signs, keys and the layer."""
+        signs = () if self.snapshot is None else self.legend(self.snapshot)
+        return footing_pieces(foot, self._named_layer, self.layer_choices, signs, look)
 
     @property
     def _named_layer(self) -> Layer:

@@ -15,7 +15,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Piece, wrapped
 from rl_tui.screen.draw.number_form import TINY
 from rl_tui.screen.kit.layers import Layer, other_lane
-from rl_tui.screen.kit.panel import LegendSign, Panel
+from rl_tui.screen.kit.panel import Legend, LegendSign, Panel
 from rl_tui.screen.kit.scrolling import kept_in_view, scroll_bar, scrolled_to
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means
 from rl_tui.screen.panels.policies.studied import policy_name
@@ -211,14 +211,21 @@ def key_column(footing: str) -> int:
 
 
 @lru_cache(64)
-def footing_pieces(foot: str, layer: Layer, choices: tuple[Layer, ...], look: Look) -> tuple[Segment, ...]:
-    """Style the text below the table: its keys, and ``layer`` reversed."""
+def footing_pieces(
+    foot: str, layer: Layer, choices: tuple[Layer, ...], signs: Legend, look: Look
+) -> tuple[Segment, ...]:
+    """Style the text below the table: ``signs`` of its legend, its keys, and ``layer`` reversed."""
     palette = look.palette
     styles = [palette.dim] * len(foot)
     key, reveal = key_column(foot), foot.find(f"{_REVEAL} shows")
     for place, columns in ((key, len(_KEY.strip())), (reveal, len(_REVEAL))):
         if place >= 0:
             styles[place : place + columns] = [palette.press] * columns
+    for sign in signs:
+        mark = sign.sign.strip()
+        for meaning in filter(None, (sign.in_full, sign.meaning)):
+            if (place := foot.find(f"{mark} {look.glyphs.spelled(meaning)}")) >= 0:
+                styles[place : place + len(mark)] = [sign.style] * len(mark)
     for column in _places(foot, choices, look.glyphs).get(layer, ()):
         styles[column] = palette.dim + Style(reverse=True)
     return tuple(Segment.simplify(Segment(*each) for each in zip(foot, styles, strict=True)))
