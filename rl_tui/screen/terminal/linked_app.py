@@ -190,9 +190,9 @@ class LinkedApp(App[ReturnType]):
             for y, start, end in update.spans:
                 # like Textual: pieces that start in the span, cut at its end
                 for (x, strip), piece_end in zip(update.chops[y].items(), update.chop_ends[y], strict=True):
-                    if strip is not None and _untied(strip) and x <= end and piece_end > start:
-                        is_inside = start <= x and piece_end <= end
-                        buffer.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
+                    if strip is not None and x <= end and piece_end > start:
+                        piece, is_inside = _untied(strip), start <= x and piece_end <= end
+                        buffer.put(x, y, piece if is_inside else piece.crop(0, min(piece_end, end) - x))
         output.send()
         self._painted.set()
 
