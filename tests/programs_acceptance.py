@@ -10,14 +10,16 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 sys.path.insert(0, str(Path(__file__).parent / "programs"))
 
-from corpus import CORRECT, FAULTY, expected, line_of, watched
+from corpus import CORRECT, FAULTY, Program, line_of
+
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
 
 _FIGURES = ("alpha", "gamma", "epsilon")
 
@@ -30,35 +32,35 @@ class Seen(NamedTuple):
     error: str
 
 
-def seen(script: Path, seed: int) -> Seen:
-    log, verdict = watched(script, seed)
-    return Seen(
-        tuple(each.fault.value for each in verdict.findings),
-        tuple(line_of(each) for each in verdict.findings),
-        verdict.update.rule.value,
-        {name: getattr(verdict.update, name) for name in _FIGURES},
-        "" if log.error is None else f"{log.error.type}: {log.error.text}",
-    )
+def seen(program: Program, seed: int) -> Seen:
+    with TemporaryDirectory() as folder:
+        log = program.watched(Path(folder), seed)
+        verdict = verdict_of(log)
+        return Seen(
+            tuple(each.fault.value for each in verdict.findings),
+            tuple(line_of(each) for each in verdict.findings),
+            verdict.update.rule.value,
+            {name: getattr(verdict.update, name) for name in _FIGURES},
+            "" if log.error is None else f"{log.error.type}: {log.error.text}",
+        )
 
 
-def row_of_faulty(script: Path, runs: Iterable[Seen]) -> tuple[bool, str]:
-    wanted, line = tuple(expected(script)), expected(script, "line")
-    runs = list(runs)
+def row_of_faulty(program: Program, runs: list[Seen]) -> tuple[bool, str]:
+    wanted, line = (program.expect,), program.line
     found = sum(run.faults == wanted for run in runs)
     lines = sum(set(run.lines) == {line} for run in runs)
     others = Counter(run.faults for run in runs if run.faults != wanted)
-    text = f"{script.stem:32} {wanted[0]:30} found {found}/{len(runs)}  line {lines}/{len(runs)}"
+    text = f"{program.name:32} {wanted[0]:30} found {found}/{len(runs)}  line {lines}/{len(runs)}"
     return found == lines == len(runs), text + _more(others, runs)
 
 
-def row_of_correct(script: Path, runs: Iterable[Seen]) -> tuple[bool, str]:
-    said: dict[str, Any] = expected(script) or {}
-    runs = list(runs)
+def row_of_correct(program: Program, runs: list[Seen]) -> tuple[bool, str]:
+    said = program.expect
     claimed = Counter(run.faults for run in runs if run.faults)
     rule = said.get("rule") or "unknown"
     right = sum(run.rule == rule and _agrees(run, said) for run in runs)
     silent = len(runs) - sum(claimed.values())
-    text = f"{script.stem:32} {rule:30} rule {right}/{len(runs)}  no claim {silent}/{len(runs)}"
+    text = f"{program.name:32} {rule:30} rule {right}/{len(runs)}  no claim {silent}/{len(runs)}"
     return silent == len(runs), text + _more(claimed, runs)
 
 
@@ -81,19 +83,19 @@ def _more(others: Counter[tuple[str, ...]], runs: list[Seen]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--only", default="", help="programs whose path holds this")
+    parser.add_argument("--only", default="", help="programs whose name holds this")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
     wrong = 0
     with ProcessPoolExecutor(options.jobs) as pool:
-        for scripts, row in ((FAULTY, row_of_faulty), (CORRECT, row_of_correct)):
-            chosen = [script for script in scripts if options.only in str(script)]
+        for programs, row in ((FAULTY, row_of_faulty), (CORRECT, row_of_correct)):
             runs = {
-                script: [pool.submit(seen, script, seed) for seed in range(options.seeds)]
-                for script in chosen
+                place: [pool.submit(seen, program, seed) for seed in range(options.seeds)]
+                for place, program in enumerate(programs)
+                if options.only in program.name
             }
-            for script, futures in runs.items():
-                is_well, text = row(script, [each.result() for each in futures])
+            for place, futures in runs.items():
+                is_well, text = row(programs[place], [each.result() for each in futures])
                 wrong += not is_well
                 print(" " if is_well else "!", text, flush=True)
     print(f"{wrong} programs with something missed or claimed" if wrong else "all found, nothing claimed")

@@ -1,35 +1,45 @@
-"""The faulty and correct programs of tests."""
+"""The faulty and correct programs of tests: loops, and files with ``# expect: JSON`` at their top."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
-from rl_tui.programs.diagnosis.diagnosis import verdict_of
-from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict
+import loops
+from watched_scripts import script_in, watched
+
+from rl_tui.programs.evidence.verdict import CodeFinding
 from rl_tui.programs.watched.program_log import ProgramLog
-from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
 
 SCRIPTS: Final = Path(__file__).parent / "scripts"
-FAULTY: Final = sorted((SCRIPTS / "faulty").glob("*.py"))
-CORRECT: Final = sorted((SCRIPTS / "correct").glob("*.py"))
 
 
-def expected(script: Path, what: str = "expect") -> Any:
-    """Return the value of the line ``# WHAT: JSON`` at the top of ``script``, or None."""
-    for line in script.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#"):
-            return None
-        name, _, value = line.removeprefix("#").partition(":")
-        if name.strip() == what:
-            return json.loads(value)
-    return None
+class Program(NamedTuple):
+    name: str
+    expect: Any
+    """The fault of a faulty program. Of a correct one, what is found."""
+    text: str
+
+    @property
+    def line(self) -> str:
+        """The line of the fault, which ends in ``#!``."""
+        return next(each.strip() for each in self.text.splitlines() if each.endswith("  #!"))
+
+    def watched(self, folder: Path, seed: int) -> ProgramLog:
+        return watched(script_in(folder, self.text), seed=seed)
 
 
-def watched(script: Path, seed: int) -> tuple[ProgramLog, ProgramVerdict]:
-    log = watched_to_the_end(ProgramRequest(script, seed=seed))
-    return log, verdict_of(log)
+def _programs(group: str, written: dict[str, loops.Loop]) -> list[Program]:
+    found = [Program(name, loop.expect, loop.text) for name, loop in written.items()]
+    for path in (SCRIPTS / group).glob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        found.append(Program(path.stem, json.loads(text.splitlines()[0].removeprefix("# expect: ")), text))
+    return sorted(found)
+
+
+FAULTY: Final = _programs("faulty", loops.FAULTY)
+CORRECT: Final = _programs("correct", loops.CORRECT)
 
 
 def line_of(finding: CodeFinding) -> str:

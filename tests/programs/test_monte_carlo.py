@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from pathlib import Path
 
 import pytest
-from corpus import SCRIPTS, watched
+from corpus import CORRECT
 from made_recordings import Learner, Step, recorded
 
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
@@ -120,7 +121,7 @@ def test_changed_estimates_of_other_rules_say_nothing() -> None:
 @pytest.mark.parametrize(
     ("script", "visits"), [("first_visit", ["first"]), ("every_visit", []), ("constant", [])]
 )
-def test_scripts_say_it_where_pairs_return(script: str, visits: list[str]) -> None:
+def test_scripts_say_it_where_pairs_return(script: str, visits: list[str], tmp_path: Path) -> None:
     """In blackjack, no pair is visited twice."""
-    _, verdict = watched(SCRIPTS / "correct" / f"monte_carlo_{script}.py", 1)
-    assert shown(verdict) == visits
+    (program,) = (each for each in CORRECT if each.name == f"monte_carlo_{script}")
+    assert shown(verdict_of(program.watched(tmp_path, seed=1))) == visits

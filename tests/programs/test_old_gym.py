@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from corpus import CORRECT, FAULTY, expected
 from watched_scripts import check_q_learning, lines_of, script_in, watched
 
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
@@ -157,24 +156,6 @@ def test_old_names_work(text: str, printed: str | None, tmp_path: Path) -> None:
         assert (log.error.type, log.error.line) in {("ModuleNotFoundError", 3), ("AttributeError", 3)}
     else:
         assert (log.error, lines_of(log)) == (None, [printed])
-
-
-@pytest.mark.exhaustive("watches every program", but=["correct-sarsa_cliff", "faulty-integers"])
-@pytest.mark.parametrize(
-    "script", [*CORRECT, *FAULTY], ids=lambda script: f"{script.parent.name}-{script.stem}"
-)
-def test_a_program_is_understood_under_the_old_name_too(script: Path, tmp_path: Path) -> None:
-    text = script.read_text(encoding="utf-8").replace("import gymnasium as gym", "import gym")
-    text = text.replace("import gymnasium", "import gym as gymnasium").replace("from gymnasium", "from gym")
-    wanted, group = expected(script), CORRECT if script in CORRECT else FAULTY
-    log = watched(script_in(tmp_path, text), seed=group.index(script))
-    verdict = verdict_of(log)
-    assert (log.error, NOTE in log.notes) == (None, True)
-    faults = [each.fault.value for each in verdict.findings]
-    if group is FAULTY:
-        assert faults == wanted
-    else:
-        assert (faults, verdict.update.rule) == ([], wanted.get("rule", verdict.update.rule))
 
 
 def test_an_installed_gym_is_not_used(tmp_path: Path) -> None:

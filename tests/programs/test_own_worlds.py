@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
-from corpus import CORRECT, FAULTY, expected
 from watched_scripts import check_q_learning, lines_of, script_in, watched
 
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
@@ -472,46 +470,3 @@ def test_places_in_a_window_are_plain_numbers(tmp_path: Path) -> None:
     print(canvas.coords(item))
     """
     assert lines_of(watched(script_in(tmp_path, text))) == ["[45.0, 5.0, 75.0, 35.0]"]
-
-
-OWN = """\
-import copy as copying, gymnasium as own_gym
-class Own:
-    def __init__(self, *arguments, **more):
-        self.inner = copying.deepcopy(own_gym.make(*arguments, **more))
-        self.action_space, self.observation_space = self.inner.action_space, self.inner.observation_space
-        self.action_space.seed(0)
-        self.seed = 0
-    def reset(self, **more):
-        if self.seed is not None:
-            more.setdefault("seed", self.seed)
-        self.seed = None
-        return self.inner.reset(**more)
-    def step(self, action):
-        return self.inner.step(action)
-    def __getattr__(self, name):
-        if name.startswith("__") or name == "inner":
-            raise AttributeError(name)
-        return getattr(self.inner, name)
-"""
-WRAPS = "potential_shaping"
-"""A program whose wrapper needs an environment of Gymnasium."""
-
-
-@pytest.mark.exhaustive("watches every program", but=["correct-sarsa_cliff", "faulty-integers"])
-@pytest.mark.parametrize(
-    "script",
-    [each for each in (*CORRECT, *FAULTY) if each.stem != WRAPS],
-    ids=lambda script: f"{script.parent.name}-{script.stem}",
-)
-def test_a_program_is_understood_in_a_world_of_its_own_too(script: Path, tmp_path: Path) -> None:
-    text = re.sub(r"\b(gym|gymnasium)\.make\(", "Own(", script.read_text(encoding="utf-8"))
-    wanted, group = expected(script), CORRECT if script in CORRECT else FAULTY
-    log = watched(script_in(tmp_path, OWN + text), seed=group.index(script))
-    verdict = verdict_of(log)
-    assert log.error is None
-    faults = {each.fault.value for each in verdict.findings}
-    if group is FAULTY:
-        assert faults <= set(wanted)
-    else:
-        assert (faults, verdict.update.rule) == (set(), wanted.get("rule", verdict.update.rule))

@@ -1,5 +1,4 @@
-# expect: ["bootstraps-after-end"]
-# line: "self.q[obs][action] += self.lr * (target - self.q[obs][action])"
+# expect: "bootstraps-after-end"
 from collections import defaultdict
 
 import gymnasium as gym
@@ -21,7 +20,7 @@ class BlackjackAgent:
 
     def update(self, obs, action, reward, next_obs):
         target = reward + self.discount_factor * np.max(self.q[next_obs])
-        self.q[obs][action] += self.lr * (target - self.q[obs][action])
+        self.q[obs][action] += self.lr * (target - self.q[obs][action])  #!
 
 
 env = gym.make("Blackjack-v1", sab=True)

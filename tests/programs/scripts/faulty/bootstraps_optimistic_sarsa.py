@@ -1,5 +1,4 @@
-# expect: ["bootstraps-after-end"]
-# line: "q[s][a] = q[s][a] + ALPHA * (r + GAMMA * q[s2][a2] - q[s][a])"
+# expect: "bootstraps-after-end"
 """SARSA on the cliff, with optimistic values for everything (the goal too)."""
 
 import random
@@ -24,7 +23,7 @@ def main():
         while True:
             s2, r, terminated, truncated, _ = env.step(a)
             a2 = choose(q, s2)
-            q[s][a] = q[s][a] + ALPHA * (r + GAMMA * q[s2][a2] - q[s][a])
+            q[s][a] = q[s][a] + ALPHA * (r + GAMMA * q[s2][a2] - q[s][a])  #!
             s, a = s2, a2
             if terminated or truncated:
                 break

@@ -1,5 +1,4 @@
-# expect: ["no-bootstrap-after-truncation"]
-# line: "qtable[state][action] += learning_rate * delta"
+# expect: "no-bootstrap-after-truncation"
 import gymnasium as gym
 import numpy as np
 
@@ -26,7 +25,7 @@ def train(n_episodes, max_steps):
             new_state, reward, terminated, truncated, info = env.step(action)
             done = terminated or truncated
             delta = reward + (1 - done) * gamma * np.max(qtable[new_state]) - qtable[state][action]
-            qtable[state][action] += learning_rate * delta
+            qtable[state][action] += learning_rate * delta  #!
             if done:
                 break
             state = new_state

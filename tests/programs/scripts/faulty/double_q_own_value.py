@@ -1,5 +1,4 @@
-# expect: ["wrong-table"]
-# line: "self.QA[s][a] += self.alpha * (r + self.gamma * best - self.QA[s][a])"
+# expect: "wrong-table"
 import random
 
 import gymnasium as gym
@@ -21,7 +20,7 @@ class DoubleQ:
         if random.random() < 0.6:
             b = int(np.argmax(self.QA[s2]))
             best = 0.0 if terminated else self.QA[s2][b]
-            self.QA[s][a] += self.alpha * (r + self.gamma * best - self.QA[s][a])
+            self.QA[s][a] += self.alpha * (r + self.gamma * best - self.QA[s][a])  #!
         else:
             b = int(np.argmax(self.QB[s2]))
             best = 0.0 if terminated else self.QB[s2][b]

@@ -1,5 +1,4 @@
-# expect: ["shifted-reward"]
-# line: "Q[state, action] += alpha * (reward + gamma * Q[next_state].max() * (not terminated) - Q[state, action])"
+# expect: "shifted-reward"
 import gymnasium as gym
 import numpy as np
 
@@ -14,7 +13,7 @@ for episode in range(100):
     while not done:
         action = env.action_space.sample() if np.random.rand() < epsilon else Q[state].argmax()
         next_state, new_reward, terminated, truncated, _ = env.step(action)
-        Q[state, action] += alpha * (reward + gamma * Q[next_state].max() * (not terminated) - Q[state, action])
+        Q[state, action] += alpha * (reward + gamma * Q[next_state].max() * (not terminated) - Q[state, action])  #!
         reward = new_reward
         state = next_state
         done = terminated or truncated

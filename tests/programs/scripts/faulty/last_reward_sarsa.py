@@ -1,5 +1,4 @@
-# expect: ["shifted-reward"]
-# line: "Q[s, a] += alpha * (r + gamma * (not terminated) * Q[s2, a2] - Q[s, a])"
+# expect: "shifted-reward"
 import gymnasium as gym
 import numpy as np
 
@@ -20,5 +19,5 @@ for episode in range(250):
     while not (terminated or truncated):
         s2, new_r, terminated, truncated, _ = env.step(a)
         a2 = choose(s2)
-        Q[s, a] += alpha * (r + gamma * (not terminated) * Q[s2, a2] - Q[s, a])
+        Q[s, a] += alpha * (r + gamma * (not terminated) * Q[s2, a2] - Q[s, a])  #!
         s, a, r = s2, a2, new_r

@@ -1,12 +1,11 @@
-# expect: ["rounding-table"]
-# line: "q_values = np.zeros_like(counts)"
+# expect: "rounding-table"
 import gymnasium as gym
 import numpy as np
 
 
 def make_table(states, actions):
     counts = np.array([[0] * actions for _ in range(states)])
-    q_values = np.zeros_like(counts)
+    q_values = np.zeros_like(counts)  #!
     return q_values
 
 

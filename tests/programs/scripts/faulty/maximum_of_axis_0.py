@@ -1,5 +1,4 @@
-# expect: ["wrong-axis"]
-# line: "values[s, a] = (1 - LEARNING_RATE) * values[s, a] + LEARNING_RATE * target"
+# expect: "wrong-axis"
 import argparse
 
 import gymnasium as gym
@@ -21,7 +20,7 @@ def learn(env, values, episodes):
             a = env.action_space.sample()
             s_next, r, term, trunc, _ = env.step(a)
             target = r if term else r + DISCOUNT * values.max(axis=0)[a]
-            values[s, a] = (1 - LEARNING_RATE) * values[s, a] + LEARNING_RATE * target
+            values[s, a] = (1 - LEARNING_RATE) * values[s, a] + LEARNING_RATE * target  #!
             s = s_next
             over = term or trunc
     return values

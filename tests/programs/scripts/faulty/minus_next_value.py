@@ -1,5 +1,4 @@
-# expect: ["wrong-formula"]
-# line: "q[s][a] += alpha * (r + gamma - future - q[s][a])"
+# expect: "wrong-formula"
 import random
 
 import gymnasium as gym
@@ -23,7 +22,7 @@ for _ in range(100):
         s2, r, terminated, truncated, _ = env.step(a)
         a2 = choose(s2)
         future = 0.0 if terminated else q[s2][a2]
-        q[s][a] += alpha * (r + gamma - future - q[s][a])
+        q[s][a] += alpha * (r + gamma - future - q[s][a])  #!
         s, a = s2, a2
         if terminated or truncated:
             break

@@ -1,5 +1,4 @@
-# expect: ["steps-after-end"]
-# line: "following, reward, ended, cut, _ = env.step(action)"
+# expect: "steps-after-end"
 import gymnasium as gym
 import numpy as np
 
@@ -11,7 +10,7 @@ for episode in range(120):
     state, _ = env.reset()
     for _ in range(30):
         action = int(dice.integers(4))
-        following, reward, ended, cut, _ = env.step(action)
+        following, reward, ended, cut, _ = env.step(action)  #!
         future = 0.0 if ended else values[following].max()
         values[state, action] += 0.1 * (reward + 0.9 * future - values[state, action])
         state = following

@@ -1,5 +1,4 @@
-# expect: ["wrong-cell"]
-# line: "Q[s, a] += alpha * (target - Q[s, a])"
+# expect: "wrong-cell"
 # SARSA in which the action is overwritten too early
 import gymnasium as gym
 import numpy as np
@@ -23,6 +22,6 @@ for episode in range(100):
         s2, r, terminated, truncated, _ = env.step(a)
         a = pick(s2)
         target = r if terminated else r + gamma * Q[s2, a]
-        Q[s, a] += alpha * (target - Q[s, a])
+        Q[s, a] += alpha * (target - Q[s, a])  #!
         s = s2
         done = terminated or truncated

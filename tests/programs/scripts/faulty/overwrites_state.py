@@ -1,5 +1,4 @@
-# expect: ["updates-after-moving"]
-# line: "Q[s][a] += 0.2 * (r + 0.95 * max(Q[s]) - Q[s][a])"
+# expect: "updates-after-moving"
 # Taxi with dicts; the state is overwritten by env.step
 import random
 
@@ -13,6 +12,6 @@ for i in range(100):
     while True:
         a = random.randrange(6) if random.random() < eps else Q[s].index(max(Q[s]))
         s, r, done, cut, _ = env.step(a)
-        Q[s][a] += 0.2 * (r + 0.95 * max(Q[s]) - Q[s][a])
+        Q[s][a] += 0.2 * (r + 0.95 * max(Q[s]) - Q[s][a])  #!
         if done or cut:
             break

@@ -1,5 +1,4 @@
-# expect: ["shifted-reward"]
-# line: "self.table[state, action] += self.step_size * (target - self.table[state, action])"
+# expect: "shifted-reward"
 import gymnasium as gym
 import numpy as np
 
@@ -20,7 +19,7 @@ class Learner:
     def learn(self, state, action, next_state, terminated):
         future = 0.0 if terminated else self.discount * self.table[next_state].max()
         target = self.last_reward + future
-        self.table[state, action] += self.step_size * (target - self.table[state, action])
+        self.table[state, action] += self.step_size * (target - self.table[state, action])  #!
 
     def observe(self, reward):
         self.last_reward = reward
