@@ -12,14 +12,12 @@ from lessons.task_samples import HEAD
 
 from rl_tui.commands.main import program
 from rl_tui.lessons.check import SPOTLIGHTS, check_lesson
-from rl_tui.lessons.figures.step_budget import StepBudget
+from rl_tui.lessons.figures.step_budget import FIGURE_STEPS, FILE_STEPS, StepBudget
 from rl_tui.lessons.lesson import lesson_folder
 from rl_tui.screen.kit.row import CAPTION, PROGRAM
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.files.scenario import PANEL_IDS
 from rl_tui.worlds.files.shipped import shipped_folder
-
-pytestmark = pytest.mark.unit
 
 STUDY: Final = 'accepts = [{ name = "study", changes = ["0:take=study"] }]'
 HANDS_OFF: Final = '    { name = "hands off", steps = 3 },\n'
@@ -148,7 +146,7 @@ def test_an_answer_of_who_knows_it_exactly_has_to_be_right(tmp_path: Path) -> No
 
 
 def test_variants_are_lessons_of_their_own(tmp_path: Path) -> None:
-    code, lines, _ = check(tmp_path, changed(*VARIANTS))
+    code, lines, _ = check(tmp_path, changed(*VARIANTS), "--quick")
     assert (code, lines) == (0, [])
     wrong = (VARIANTS[0][0], VARIANTS[0][1].replace("-0.875", "-0.885"))
     path = written(tmp_path, changed(wrong, *VARIANTS[1:]))
@@ -215,14 +213,19 @@ def test_a_spotlight_may_fall_on_any_panel() -> None:
     )
 
 
-SHIPPED: Final = sorted(lesson_folder().glob("*.toml"))
-
-
-@pytest.mark.exhaustive(
-    "trains under many seeds",
-    but=["bandits", "cliff-walk", "frozen-lake", "loop", "mdp", "q-by-hand", "return"],
-)
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_shipped_lessons_have_no_quick_faults(path: Path) -> None:
-    report = check_lesson(path, quick=True)
+@pytest.mark.parametrize("lesson", ["bandits", "frozen-lake", "mdp", "q-by-hand", "return"])
+def test_shipped_lessons_have_no_quick_faults(lesson: str) -> None:
+    report = check_lesson(lesson_folder() / f"{lesson}.toml", quick=True)
     assert [str(fault) for fault in (*report.faults, *report.warnings)] == []
+
+
+@pytest.mark.process
+@pytest.mark.slow
+@pytest.mark.exhaustive("trains under many seeds", but=["loop"])
+@pytest.mark.parametrize("path", sorted(lesson_folder().glob("*.toml")), ids=lambda path: path.stem)
+def test_shipped_lessons_have_no_faults(path: Path) -> None:
+    budget = StepBudget()
+    report = check_lesson(path, budget=budget)
+    assert [str(fault) for fault in (*report.faults, *report.warnings)] == []
+    assert 5 * max(budget.of_figures.values(), default=0) <= FIGURE_STEPS, "a budget with room"
+    assert 5 * budget.taken <= FILE_STEPS

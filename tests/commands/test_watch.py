@@ -78,7 +78,6 @@ def test_the_document(tmp_path: Path) -> None:
         "departs_at",
     ]
     assert found["error"] is None
-    assert json.loads(run(path, "--json", "--seed", "3")[1]) == found
     assert json.loads(run(path, "--json", "--seed", "4")[1])["steps"] != found["steps"]
 
 

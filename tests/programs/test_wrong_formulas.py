@@ -21,7 +21,7 @@ WORLDS = {
     "sparse": {"initial": "zeros", "rewards": (0.0,) * 9 + (1.0,)},
     "optimistic": {"initial": "high", "greedy": 0.8},
 }
-COSTS = {"initial": "zeros", "rewards": (-1.0,)}
+ALL_WORLDS = {**WORLDS, "costs": {"initial": "zeros", "rewards": (-1.0,)}}
 PROVEN: dict[str, tuple[Formula, str]] = {
     "γ − Q": (lambda q, r, best, taken: q + ALPHA * (r + GAMMA - taken - q), "Q(s′, a′) is subtracted."),
     "minus max": (lambda q, r, best, taken: q + ALPHA * (r - GAMMA * best - q), "max Q(s′) is subtracted."),
@@ -69,7 +69,7 @@ def findings(log: ProgramLog) -> list[CodeFinding]:
     return list(verdict_of(log).findings)
 
 
-@pytest.mark.parametrize("world", [*WORLDS.values(), COSTS], ids=[*WORLDS, "costs"])
+@pytest.mark.parametrize("world", ALL_WORLDS.values(), ids=ALL_WORLDS)
 @pytest.mark.parametrize("name", PROVEN)
 def test_a_wrong_sign_or_term_is_proved(name: str, world: dict[str, object]) -> None:
     formula, said = PROVEN[name]
@@ -98,12 +98,17 @@ def test_a_formula_is_written_with_its_factors() -> None:
     assert "by 0.1 r + 0.09 − 0.1 Q(s′, a′) − 0.1 Q(s, a)." in finding.text
 
 
-@pytest.mark.parametrize("world", [*WORLDS.values(), COSTS], ids=[*WORLDS, "costs"])
+@pytest.mark.exhaustive(
+    "other random worlds", but=[f"{name}-{id_}-1" for name in RIGHT for id_ in ALL_WORLDS]
+)
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("world", ALL_WORLDS.values(), ids=ALL_WORLDS)
 @pytest.mark.parametrize("name", RIGHT)
-def test_a_formula_that_an_own_reward_explains_is_no_fault(name: str, world: dict[str, object]) -> None:
-    for seed in range(2):
-        log = in_taxi(recorded(by(RIGHT[name]), seed, steps=600, **world))  # type: ignore[arg-type]
-        assert findings(log) == []
+def test_a_formula_that_an_own_reward_explains_is_no_fault(
+    name: str, world: dict[str, object], seed: int
+) -> None:
+    log = in_taxi(recorded(by(RIGHT[name]), seed, steps=600, **world))  # type: ignore[arg-type]
+    assert findings(log) == []
 
 
 def test_in_a_game_of_two_the_value_of_the_next_state_is_the_opponents() -> None:
@@ -121,7 +126,7 @@ def test_one_step_that_departs_from_the_formula_is_enough() -> None:
     assert findings(in_taxi(recorded(learn))) == []
 
 
-@pytest.mark.parametrize("world", [*WORLDS.values(), COSTS], ids=[*WORLDS, "costs"])
+@pytest.mark.parametrize("world", ALL_WORLDS.values(), ids=ALL_WORLDS)
 def test_an_old_estimate_that_is_not_subtracted_at_the_end_is_found(world: dict[str, object]) -> None:
     def learn(table: FloatArray, step: Step) -> None:
         old = table[step.state, step.action]
