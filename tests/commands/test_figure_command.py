@@ -80,7 +80,6 @@ def test_csv_on_stdout_is_alone(monkeypatch: pytest.MonkeyPatch) -> None:
         ((), "Missing argument"),
         (("8.2", "--out", "x.jpg"), "does not end in .svg or .png"),
         (("8.2", "--runs", "0"), "a whole number in"),
-        (("8.2", "--json", "--csv", "-"), "both write to stdout"),
         (("8.2", "--csv", "x.svg", "--out", "x.svg"), "both write to the same file"),
     ],
 )

@@ -195,12 +195,6 @@ def test_a_policy_that_never_ends_has_not_passed(tmp_path: Path) -> None:
     assert "the greedy policy may never end" in report
 
 
-def test_of_several_agents_one_can_be_named(tmp_path: Path) -> None:
-    path = agent_in(tmp_path, UDACITY + UDACITY.replace("class Agent", "class Better"))
-    answer = document(path, "--scenario", "frozenlake", "--seeds", 1)
-    assert "several agents (Agent, Better)" in answer["submissions"][0]["runs"][0]["error"]
-
-
 @pytest.mark.process
 def test_what_cannot_be_read_fails_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def wrong(log: ProgramLog) -> ProgramVerdict:

@@ -12,6 +12,7 @@ import pytest
 from called import assert_refused
 from called import called as run
 
+from rl_tui.commands import main
 from rl_tui.commands import main as main_module
 from rl_tui.commands.line.screen import FEWEST_FILES, require_open_files
 from rl_tui.commands.main import program
@@ -171,3 +172,16 @@ def test_ctrl_c_that_another_error_comes_of_gives_the_usual_status_without_a_wor
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
     )
     assert (ended.returncode, ended.stderr) == (130, "")
+
+
+NAME = "OPENBLAS_NUM_THREADS"
+
+
+@pytest.mark.parametrize(("given", "then"), [({}, "1"), ({NAME: "4"}, "4"), ({"OMP_NUM_THREADS": "4"}, None)])
+def test_linear_algebra_gets_one_thread_unless_somebody_wants_more(
+    given: dict[str, str], then: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "environ", dict(given))
+    monkeypatch.delitem(sys.modules, "numpy", raising=False)
+    main.calculate_in_one_thread()
+    assert os.environ.get(NAME) == then

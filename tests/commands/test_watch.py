@@ -95,7 +95,7 @@ def test_the_example_is_the_script_of_the_docs_with_its_bug() -> None:
     found = json.loads(text)
     assert (code, complaint) == (0, "")
     assert Path(found["script"]) == Path(__file__).parents[2] / "docs" / "lake.py"
-    assert [each["fault"] for each in found["findings"]] == ["updates-after-moving"]
+    assert ([each["fault"] for each in found["findings"]], found["steps"]) == (["updates-after-moving"], 1500)
 
 
 @pytest.mark.parametrize("args", [(), ("--example", "mine.py")])
@@ -163,11 +163,6 @@ def test_what_the_script_raises_stands_in_the_document_and_in_a_line(tmp_path: P
     assert complaint == f"rl-tui: {path}, line 3: ValueError: of its own\n"
 
 
-def test_steps_end_the_script(tmp_path: Path) -> None:
-    found = document(script_in(tmp_path, Q_LEARNING), "--steps", "123")
-    assert (found["steps"], found["error"]) == (123, None)
-
-
 def test_a_table_may_be_named(tmp_path: Path) -> None:
     path = script_in(tmp_path, Q_LEARNING)
     assert document(path, "--table", "N")["table"]["name"] == "N"
@@ -213,18 +208,6 @@ def test_a_line_of_a_notebook_has_its_cell(tmp_path: Path) -> None:
     assert "course.ipynb, cell 3, line 3: ZeroDivisionError" in complaint
     error = json.loads(printed)["error"]
     assert (error["file"], error["cell"], error["line"]) == (str(path), 3, 3)
-
-
-def test_a_notebook_that_is_not_python_is_told_with_its_cell(tmp_path: Path) -> None:
-    code, printed, complaint = run(str(notebook_in(tmp_path, "x = 1", "y =\n")), "--json")
-    assert (code, printed, len(complaint.splitlines())) == (1, "", 1)
-    assert "course.ipynb, cell 3, line 1: " in complaint
-
-
-@pytest.mark.parametrize("name", [".", "/dev/null", "no\0name.py"])
-def test_what_is_no_file_is_refused_in_a_line(name: str) -> None:
-    code, printed, complaint = run(name, "--json")
-    assert (code, printed, len(complaint.splitlines())) == (1, "", 1)
 
 
 def test_without_a_terminal_json_does(tmp_path: Path) -> None:

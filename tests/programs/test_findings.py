@@ -1,4 +1,4 @@
-"""The findings about given steps, and their limits."""
+"""The findings about given steps, their limits, and correct programs."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from correct_learners import ALPHA, GAMMA, best, moved, q_learning, sarsa
-from made_recordings import Learner, Step, recorded
+from correct_learners import ALPHA, CORRECT_LEARNERS, GAMMA, best, moved, q_learning, sarsa
+from made_recordings import ACTIONS, STATES, Learner, Step, recorded
 
 from rl_tui.programs.diagnosis.diagnosis import findings_of, verdict_of
 from rl_tui.programs.diagnosis.faults.cells import proof_of_cell
@@ -19,9 +19,11 @@ from rl_tui.programs.evidence.verdict import (
     CodeFinding,
     MovedCell,
     Rule,
+    SuspectedRisk,
     UpdateFound,
     UpdateTarget,
 )
+from rl_tui.programs.grading.grade import GradedRun, GradedSubmission
 from rl_tui.programs.grading.watch_report import finding_as_json
 from rl_tui.programs.watched.messages import StepFlag
 from rl_tui.programs.watched.program_log import FoundTable, ProgramAgent, ProgramEnvironment, ProgramLog
@@ -381,3 +383,72 @@ def test_a_state_that_step_overwrites_is_given_another_name() -> None:
     )
     exchanged = proof_of_cell(Evidence(recorded(swapped, 0).recording), names)
     assert exchanged.correction.startswith("call the next state next_s, then swap s and next_s: target = ")
+
+
+WORLDS = {
+    "dense": {"initial": "random", "rewards": (-1.0, 0.0, 0.0, 1.0, 2.0)},
+    "costs": {"initial": "zeros", "rewards": (-1.0,), "greedy": 0.8},
+    "sparse": {"initial": "high", "rewards": (0.0,) * 9 + (1.0,), "greedy": 0.7, "dtype": "float32"},
+}
+
+
+@pytest.mark.exhaustive(
+    "other worlds", but=[f"{name}-{[*WORLDS][i % 3]}" for i, name in enumerate(CORRECT_LEARNERS)]
+)
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("name", CORRECT_LEARNERS)
+def test_nothing_is_said_of_a_correct_learner(name: str, world: str) -> None:
+    log = recorded(CORRECT_LEARNERS[name](), 1, steps=1200, **WORLDS[world])  # type: ignore[arg-type]
+    log.environments.append(ProgramEnvironment(0, "Taxi-v3", None, (STATES,), ACTIONS, 12))
+    log.numbers |= {"alpha": 0.1, "gamma": 0.9, "epsilon": 0.2}
+    assert verdict_of(log).findings == ()
+
+
+RISK = CodeFinding(
+    CodeFault.FIRST_OF_TIES, "proven", 0, 900, 100, "900 of 1,000 choices.", "choose at random"
+)
+
+
+def graded(luck: float, dry: int, seeds: int, share: float = 0.01) -> GradedSubmission:
+    suspected = [SuspectedRisk(RISK, luck)] * dry + [None] * (seeds - dry)
+    runs = tuple(
+        GradedRun(seed, share, share if each else 1.0, suspected=each) for seed, each in enumerate(suspected)
+    )
+    return GradedSubmission("mine.py", runs, 0.95)
+
+
+def test_a_run_that_is_too_short_for_a_proof_leaves_a_suspicion() -> None:
+    verdict = verdict_of(standing(50, often_the_first))
+    assert verdict.findings == ()
+    assert verdict.suspected is not None
+    assert verdict.suspected.finding.fault is CodeFault.FIRST_OF_TIES
+    assert 1e-4 < verdict.suspected.luck < 1.0
+    assert verdict_of(standing(50, lambda number: number % 4)).suspected is None
+
+
+@pytest.mark.parametrize(
+    ("luck", "dry", "seeds", "is_told"),
+    [
+        (0.2, 20, 20, True),
+        (0.2, 4, 20, False),  # as many are dry with random choices
+        (0.2, 14, 20, True),
+        (0.009, 2, 2, True),
+        (0.02, 2, 2, False),
+        (0.9, 20, 20, False),
+        (1e-5, 1, 1, True),
+        (0.0, 0, 20, False),
+    ],
+)
+def test_the_luck_of_all_seeds_decides(luck: float, dry: int, seeds: int, is_told: bool) -> None:
+    found = graded(luck, dry, seeds).findings
+    assert [(each.fault, count) for each, count in found] == [(CodeFault.FIRST_OF_TIES, dry)] * is_told
+    for each, _ in found:
+        assert each.text == (
+            f"{RISK.text} This happened in {dry} of {seeds} seeds. With random choices among equal "
+            "values, the "
+            "probability of that is below 0.0001."
+        )
+
+
+def test_what_did_not_make_it_fail_is_not_told() -> None:
+    assert graded(0.2, 20, 20, share=1.0).findings == []

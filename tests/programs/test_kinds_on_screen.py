@@ -11,8 +11,7 @@ import test_own_worlds
 from program_watching import watched
 from test_notebooks import notebook_in
 from test_program_playback import figures
-from test_table_steps import CORRIDOR, LEARNER
-from test_watched_functions import GRID, TREASURE
+from test_table_steps import CORRIDOR, GRID, LEARNER, TREASURE
 from watched_scripts import LOOP, script_in
 
 from rl_tui.live import commands

@@ -11,9 +11,9 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+from held_programs import held
 from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watched
 
-from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.programs.watched.program_process import ProgramProcess, ProgramRequest
 
 pytestmark = pytest.mark.process
@@ -161,26 +161,6 @@ def test_asking_a_program_that_never_listens_does_not_wait(tmp_path: Path) -> No
         process.end()
 
 
-def test_it_holds_at_a_step_and_goes_on(tmp_path: Path) -> None:
-    path = script_in(tmp_path, LOOP.format(episodes=10**6))
-    process, log = ProgramProcess(ProgramRequest(path), allowed=0), ProgramLog()
-
-    def has_come(steps: int) -> bool:
-        for letter, payload in process.frames(0.1):
-            log.take(letter, payload)
-        return log.waiting_at == steps
-
-    try:
-        wait_until(lambda: has_come(0))
-        for allowed in (1, 2, 500):
-            process.allow(allowed)
-            wait_until(lambda allowed=allowed: has_come(allowed))  # type: ignore[misc]
-            assert log.recording.count == allowed
-    finally:
-        process.end()
-    assert process.closed
-
-
 def test_output_stands_behind_the_step_before_it(tmp_path: Path) -> None:
     text = """\
     import gymnasium as gym
@@ -190,19 +170,9 @@ def test_output_stands_behind_the_step_before_it(tmp_path: Path) -> None:
         env.step(0)
         print("after", number + 1)
     """
-    process, log = ProgramProcess(ProgramRequest(script_in(tmp_path, text)), allowed=0), ProgramLog()
-
-    def has_come(steps: int) -> bool:
-        for letter, payload in process.frames(0.1):
-            log.take(letter, payload)
-        return log.waiting_at == steps
-
-    try:
+    with held(tmp_path, text) as program:
         for allowed in range(5):
-            process.allow(allowed)
-            wait_until(lambda allowed=allowed: has_come(allowed))  # type: ignore[misc]
-    finally:
-        process.end()
+            log = program.go_to(allowed)
     assert [line.text for line in log.output] == [f"after {number}" for number in range(1, 5)]
     # on a busy machine, output written just before a step may arrive just after it
     assert all(number - line.step in (0, 1) for number, line in enumerate(log.output, 1))

@@ -259,13 +259,6 @@ def test_a_script_that_learns_when_it_is_imported_is_no_agent(folder: Path) -> N
         place_of_agent(AgentName(TUTORIALS / "blackjack_statistics.py", ""))
 
 
-def test_what_is_not_installed_is_said_with_its_line(tmp_path: Path) -> None:
-    path = script_in(tmp_path, "import gymnasium\nimport a_plotting_library\n")
-    error = watched(path).error
-    assert (error.type, error.line) == ("ModuleNotFoundError", 2)
-    assert "pip install" not in error.text
-
-
 @pytest.mark.exhaustive("watches a long program")
 def test_a_line_of_another_file_is_told_with_that_file(folder: Path) -> None:
     arguments = ["grade", str(TUTORIALS / "udacity" / "main.py"), "--scenario", "taxi", "--seeds", "1"]
