@@ -31,7 +31,7 @@ GUIDES: Final = [
     if path.stem not in ("statistics", "charts-and-book-figures")
 ]
 """All pages except the tables of tests/measure.py and tests/studies/book_figures."""
-NEIGHBOURS: Final = (TESTS / "commands/test_readme.py", TESTS / "lessons/test_figures_of_notes.py")
+NEIGHBOURS: Final = (TESTS / "commands/test_docs.py", TESTS / "lessons/test_figures_of_notes.py")
 ELSEWHERE: Final = (
     "Python 3.11 or newer",  # below
     "exact to 1e-9.",  # test_exact.py

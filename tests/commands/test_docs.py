@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import generate
 import pytest
+from called import printed
+
+from rl_tui.commands.main import RlTui
 
 ROOT = Path(__file__).parents[2]
 DOCS = sorted((ROOT / "docs").rglob("*.md"))
 PAGES = [*sorted(ROOT.glob("*.md")), *DOCS]
-GUIDES = [path for path in DOCS if path.parent.name in ("tutorial", "how-to", "explanation")]
+FOLDERS = ("tutorial", "how-to", "explanation", "reference")
+GUIDES = [path for path in DOCS if path.parent.name in FOLDERS[:3]]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def named(path: Path) -> str:
@@ -80,9 +86,8 @@ def links_of(path: Path) -> Iterator[Path]:
 
 
 def test_the_readme_is_one_page_and_every_page_is_reached_from_it() -> None:
-    readme = ROOT / "README.md"
-    assert len(readme.read_text(encoding="utf-8").splitlines()) <= 150
-    reached, waiting = set[Path](), [readme]
+    assert len(README.splitlines()) <= 150
+    reached, waiting = set[Path](), [ROOT / "README.md"]
     while waiting:
         page = waiting.pop()
         if page not in reached:
@@ -131,3 +136,49 @@ def test_the_python_of_a_guide_runs(
     shown = capsys.readouterr().out
     assert "frozenlake-slippery: sarsa, seeds 0 to 1" in shown
     assert "alpha is 7" in shown
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "python3 -m venv .venv && .venv/bin/pip install -e . && .venv/bin/rl-tui",
+        'python3 -m venv .venv && .venv/bin/pip install -e ".[test]" && .venv/bin/python -m pytest',
+    ],
+)
+def test_the_two_commands_for_a_fresh_machine_stand_there(command: str) -> None:
+    assert README.count(f"\n    {command}\n") == 1
+
+
+def test_the_tables_of_fields_have_all_fields_of_the_documents() -> None:
+    commands = (ROOT / "docs/reference/commands.md").read_text(encoding="utf-8")
+
+    def fields(command: str) -> set[str]:
+        section = re.search(rf"^### {re.escape(command)}\n(.*?)^##", commands, re.MULTILINE | re.DOTALL)
+        assert section
+        table = re.search(r"^\| field .*?\n\n", section[1], re.MULTILINE | re.DOTALL)
+        assert table
+        cells = re.findall(r"^\| (`.*?) \|", table[0], re.MULTILINE)
+        return {name for cell in cells for name in re.findall(r"`([^`]+)`", cell)}
+
+    def found(*args: str) -> set[str]:
+        return set(json.loads(printed(*args, "--json")))
+
+    metrics = set(re.findall(r"^\| `(\w+)` ", generate.BLOCKS["run_measures"](), re.MULTILINE))
+    assert found("train", "bandit", "--episodes", "9", "--change", "5:epsilon=0") == fields("train") | metrics
+    assert found("train", "student", "--episodes", "9", "--runs", "2") == fields("train --runs")
+    assert found("solve", "student", "--flips") == fields("solve")
+    assert found("evaluate", "student", "--policy", "uniform") == fields("evaluate")
+    assert found("why", "student") == fields("why")
+    assert found("check", "random-walk", "--deep") == fields("check --deep")
+    assert found("sweep", "student", "--vary", "alpha=.1,.2", "--runs", "2", "--episodes", "9") == fields(
+        "sweep"
+    )
+
+
+def test_every_option_they_name_exists() -> None:
+    guides = "".join(path.read_text(encoding="utf-8") for path in DOCS if path.parent.name in FOLDERS)
+    option = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
+    commands = [(), *((name,) for name in RlTui.modules), ("agent", "new")]
+    helps = "".join(printed(*names, "--help") for names in commands)
+    others = re.compile(r"^ *(#SBATCH|(srun )?dask) .*$", re.MULTILINE)  # lines for other programs
+    assert set(option.findall(others.sub("", README + guides))) - set(option.findall(helps)) == set()
