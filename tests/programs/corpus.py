@@ -1,4 +1,4 @@
-"""The faulty and correct programs of tests: loops, and files with ``# expect: JSON`` at their top."""
+"""The faulty and correct programs of tests: loops, and files that begin with ``# expect: JSON``."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ SCRIPTS: Final = Path(__file__).parent / "scripts"
 class Program(NamedTuple):
     name: str
     expect: Any
-    """The fault of a faulty program. Of a correct one, what is found."""
     text: str
 
     @property
     def line(self) -> str:
-        """The line of the fault, which ends in ``#!``."""
+        """The line of the fault. It ends in ``#!``."""
         return next(each.strip() for each in self.text.splitlines() if each.endswith("  #!"))
 
     def watched(self, folder: Path, seed: int) -> ProgramLog:

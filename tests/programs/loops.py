@@ -1,4 +1,4 @@
-"""Programs of one loop, as students write it. The faults are where a line ends in ``#!``."""
+"""Programs of one loop, in the style of students. Lines with a fault end in ``#!``."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ for episode in range({episodes}):
 
 class Loop(NamedTuple):
     expect: Any
-    """The fault, or what is found in a correct program."""
+    """The id of the fault, or the update of a correct program."""
     env: str
     episodes: int
     before: str
@@ -37,7 +37,7 @@ class Loop(NamedTuple):
     choice: str = "a = env.action_space.sample()"
     after: str = ""
     names: str = ""
-    """The program's names for s, a, r and so on: ``old:new old:new``."""
+    """Other names for variables: ``s:state a:action``."""
     step_is_marked: bool = False
 
     @property

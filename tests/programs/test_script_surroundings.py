@@ -136,7 +136,6 @@ def test_floods_by_processes_do_not_outlive_the_script(tmp_path: Path) -> None:
         ("env.nS", "AttributeError", "write `env.unwrapped.nS`"),
         ("raise KeyboardInterrupt", "KeyboardInterrupt", ""),
         ("raise MemoryError('no more')", "MemoryError", "no more"),
-        ("a, b, c, d = range(5)", "ValueError", "too many values to unpack (expected 4)"),
     ],
 )
 def test_an_error_has_its_place_and_what_helps(tmp_path: Path, line: str, error: str, text: str) -> None:
@@ -157,6 +156,11 @@ def test_an_error_has_its_place_and_what_helps(tmp_path: Path, line: str, error:
     assert "rl_tui/programs" not in found.traceback
     assert found.traceback.startswith("Traceback (most recent call last):\n")
     assert "in faulty" in found.traceback
+
+
+def test_advice_is_given_only_where_it_fits(tmp_path: Path) -> None:
+    found = watched(script_in(tmp_path, "a, b, c, d = range(5)\n")).error
+    assert found.text == "too many values to unpack (expected 4)"
 
 
 def test_a_traceback_of_any_depth_is_bounded(tmp_path: Path) -> None:
