@@ -207,13 +207,7 @@ UNKNOWN: Final = {"rule": "unknown", "alpha": None, "gamma": None}
 
 
 def _q(alpha: float | None, gamma: float, table: str = "Q", schedule: str = "constant") -> dict[str, Any]:
-    return {
-        "rule": "q-learning",
-        "alpha": alpha,
-        "gamma": gamma,
-        "alpha_schedule": schedule,
-        "table": table,
-    }
+    return {"rule": "q-learning", "alpha": alpha, "gamma": gamma, "alpha_schedule": schedule, "table": table}
 
 
 CORRECT: Final[dict[str, Loop]] = {

@@ -56,8 +56,7 @@ HOLDS_AN_AGENT = "berkeley_gridworld"
 PATIENCE = 120.0
 TIES = 1e-9
 of_every_tutorial = pytest.mark.exhaustive(
-    "watches every tutorial",
-    but=["tutorials-huggingface_unit2", "correct-seed_document"],
+    "watches every tutorial", but=["tutorials-huggingface_unit2", "correct-seed_document"]
 )
 
 
