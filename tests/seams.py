@@ -11,6 +11,7 @@ from textual.app import App
 from textual.events import MouseScrollDown
 from textual.geometry import Size
 from textual.pilot import Pilot
+from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import OptionList
 
@@ -35,8 +36,12 @@ def notes(app: App[Any]) -> list[str]:
     return app.messages.texts
 
 
+def screen_rows(app: App[Any]) -> list[Strip]:
+    return app.screen._compositor.render_strips()
+
+
 def screen_text(app: App[Any]) -> str:
-    return "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+    return "\n".join(strip.text for strip in screen_rows(app))
 
 
 def playground(pilot: Pilot[Any]) -> Playground:

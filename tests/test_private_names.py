@@ -54,13 +54,16 @@ PRIVATE: Final = re.compile(r"_(?!_)\w+")
 def private_names(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         dotted: list[str] = []
-        if isinstance(node, ast.Attribute) and ast.unparse(node.value) not in ("self", "cls"):
-            dotted = [node.attr]
+        if isinstance(node, ast.Attribute):
+            is_own = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+            dotted = [] if is_own else [node.attr]
         elif isinstance(node, ast.ImportFrom):
             dotted = [node.module or "", *(alias.name for alias in node.names)]
         elif isinstance(node, ast.Import):
             dotted = [alias.name for alias in node.names]
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] in BY_NAME:
+        elif (
+            isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in BY_NAME
+        ):
             texts = [each.value for each in node.args[:2] if isinstance(each, ast.Constant)]
             dotted = [each for each in texts if isinstance(each, str)]
         for name in dotted:

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from seams import playground, press, show, snapshot, train
+from seams import playground, press, screen_rows, show, snapshot, train
 from study_samples import bandit_study, lake_study
 from textual.pilot import Pilot
+from textual.strip import Strip
 
 from rl_tui.lessons.file.setups import recipe_of
 from rl_tui.lessons.file.view import begun
@@ -148,7 +149,7 @@ def _other_worth(worth: PolicyAnswer) -> PolicyAnswer:
     )
 
 
-async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[str, str]:
+async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[list[Strip], list[Strip]]:
     """Return the screen, with colours, and the screen for other exact values."""
     await settle(pilot)
     screen, now = playground(pilot), snapshot(pilot)
@@ -158,7 +159,7 @@ async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[s
     for each in (now, otherwise(now)):
         show(screen, each)
         await pilot.pause()
-        drawn.append(pilot.app.export_screenshot(title="", simplify=True))
+        drawn.append(screen_rows(pilot.app))
     show(screen, now)
     return drawn[0], drawn[1]
 
@@ -224,5 +225,5 @@ async def test_the_pictures_would_tell() -> None:
             for each in (now, otherwise(now)):
                 show(screen, each)
                 await pilot.pause()
-                drawn.append(app.export_screenshot(title="", simplify=True))
+                drawn.append(screen_rows(app))
             assert drawn[0] != drawn[1], keys
