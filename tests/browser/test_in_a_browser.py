@@ -113,6 +113,7 @@ async def move_the_first_slider(tab: Tab) -> None:
     await tab.wait_for(r"α step size\W+(0\.[89]|1\.0)")
 
 
+@pytest.mark.exhaustive("four more pages; tests/browser/test_site.py asks the server itself")
 async def test_nobody_else_gets_in_and_nothing_stays(browser: Chromium, server: Served) -> None:
     async with TestServer(web.Application()) as stranger:
         page = await browser.open(str(stranger.make_url("/")), (400, 300))

@@ -72,6 +72,7 @@ def send(process: subprocess.Popen[bytes], keys: bytes) -> None:
 
 
 @pytest.mark.process
+@pytest.mark.exhaustive("the browser is told the same every day")
 def test_it_says_that_it_was_left() -> None:
     with app("--no-mouse") as process:
         send(process, b"?\x1bq")  # help, closed before it quits

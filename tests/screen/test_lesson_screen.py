@@ -100,9 +100,7 @@ async def say(pilot: Pilot[UserError], number: str) -> None:
 
 
 @both_sizes
-async def test_pages_turn_by_their_keys_alone_and_the_run_is_set_up_again_after_asking(
-    size: tuple[int, int],
-) -> None:
+async def test_pages_turn_and_the_run_is_set_up_again_after_asking(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
         screen = playground(pilot)
         assert screen.status.render_line(0).text.strip().startswith("Q-learning by hand")
@@ -126,10 +124,9 @@ async def test_pages_turn_by_their_keys_alone_and_the_run_is_set_up_again_after_
         assert snapshot(pilot).agent.hyperparameters.alpha == 0.5
 
 
+@pytest.mark.exhaustive("asks another question", but=["predict"])
 @pytest.mark.parametrize("page", [page.id for page in LESSON.pages if page.asked is not None])
-async def test_the_box_for_an_answer_is_beside_the_page_or_below_it_and_leaves_the_question_in_view(
-    page: str,
-) -> None:
+async def test_the_box_for_an_answer_leaves_the_question_in_view(page: str) -> None:
     async with lesson(wide, page) as pilot:
         ask = open_page(record(pilot)).asked
         assert ask is not None
@@ -214,9 +211,7 @@ async def test_enter_on_the_page_does_what_it_asks_next(size: tuple[int, int]) -
 
 
 @both_sizes
-async def test_the_key_line_names_first_what_enter_does_and_nothing_else_while_an_answer_is_due(
-    size: tuple[int, int],
-) -> None:
+async def test_the_key_line_names_first_what_enter_does(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
         line = playground(pilot).query_one(KeyLine)
         world = ["esc world"] if size == small else []
@@ -267,9 +262,7 @@ async def test_old_keys_name_the_new_ones_once_and_do_their_deed() -> None:
 
 
 @both_sizes
-async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kept_back(
-    size: tuple[int, int],
-) -> None:
+async def test_before_the_prediction_the_run_and_what_tells_wait(size: tuple[int, int]) -> None:
     tells = "tp", "ty", "tg", "tm", "wm", "wh", "wp", "wc", "mx", "d"
     steps = "s", "e", "ae", "ai", "mw", "u", "y", "ca", "cs", "cn", "cb"
     async with lesson(size) as pilot:
@@ -401,9 +394,7 @@ async def test_the_help_keeps_the_notes_of_the_scenario_back(size: tuple[int, in
 
 
 @both_sizes
-async def test_another_setup_is_another_playground_and_after_the_last_page_one_escape_leaves(
-    size: tuple[int, int],
-) -> None:
+async def test_another_setup_is_another_playground(size: tuple[int, int]) -> None:
     async with lesson(size, "never") as pilot:
         before = playground(pilot)
         await press(pilot, "pagedown", "pagedown")
@@ -425,10 +416,9 @@ def key_line(pilot: Pilot[UserError]) -> str:
     return playground(pilot).query_one(KeyLine).render_line(0).text
 
 
+@pytest.mark.exhaustive("one row more", but=["36"])
 @pytest.mark.parametrize("rows", [36, 37])
-async def test_where_the_page_barely_has_room_beside_the_world_its_keys_are_named_and_do_it(
-    rows: int,
-) -> None:
+async def test_a_page_with_little_room_beside_the_world_has_its_keys(rows: int) -> None:
     async with lesson((120, rows), "learn") as pilot:
         await press(pilot, "d", "escape")
         place = playground(pilot).board.lesson
@@ -518,10 +508,10 @@ async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() ->
 
 
 @both_sizes
-@pytest.mark.parametrize("plain", [False, True])
-async def test_every_panel_in_the_spotlight_is_marked_without_colours(
-    size: tuple[int, int], plain: bool
-) -> None:
+@pytest.mark.parametrize(
+    "plain", [pytest.param(False, marks=pytest.mark.exhaustive("other characters")), True]
+)
+async def test_the_spotlight_needs_no_colours(size: tuple[int, int], plain: bool) -> None:
     display = Display(fps=1000.0, ascii=plain, colors="16")
     recipe = recipe_of(LESSON, "evening")
     app = RlTuiApp(display, recipe, partial(Player, automatic=False), picture=True)

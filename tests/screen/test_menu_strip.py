@@ -31,12 +31,11 @@ def lines(pilot: Pilot[UserError]) -> list[str]:
     return [menu.render_line(y).text for y in range(menu.size.height)]
 
 
+@pytest.mark.exhaustive("plays at other sizes", but=["60"])
 @pytest.mark.parametrize(
     ("size", "ascii_only"), [((120, 40), False), ((80, 24), False), ((60, 18), True)], ids=["120", "80", "60"]
 )
-async def test_every_menu_shows_each_row_whole(
-    make_app: MakeApp, size: tuple[int, int], ascii_only: bool
-) -> None:
+async def test_each_row_of_menus_is_whole(make_app: MakeApp, size: tuple[int, int], ascii_only: bool) -> None:
     async with on_screen(make_app("frozenlake", ascii=ascii_only), size) as pilot:
         for key, title in MENUS.items():
             await press(pilot, key)
@@ -51,9 +50,7 @@ async def test_every_menu_shows_each_row_whole(
             assert isinstance(pilot.app.screen, Playground)
 
 
-async def test_a_letter_acts_at_once_and_so_do_enter_on_the_row_under_the_cursor_and_the_mouse(
-    make_app: MakeApp,
-) -> None:
+async def test_letters_enter_and_the_mouse_act_at_once(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         await press(pilot, "r", "n")
         assert snapshot(pilot).recipe.seed == 1

@@ -94,7 +94,7 @@ def test_it_trains_steps_and_quits_over_ssh(tmp_path: Path) -> None:
     wait_until(lambda: is_gone(number_in(tmp_path / "program")), "the program is gone")
 
 
-@pytest.mark.exhaustive("a second way to break", but=["server"])
+@pytest.mark.exhaustive("loses a terminal in two more ways")
 @pytest.mark.parametrize("broken", ["stopped client", "server"])
 def test_a_connection_that_breaks_leaves_no_process_and_loses_nothing(tmp_path: Path, broken: str) -> None:
     with serving(tmp_path) as server, student(server, tmp_path) as terminal:

@@ -166,6 +166,7 @@ def test_a_light_background_in_truecolor_where_the_terminal_does_not_say_what_it
         leave(terminal)
 
 
+@pytest.mark.exhaustive("a multiplexer, with two more terminals to compare it with")
 def test_inside_tmux(fresh: dict[tuple[int, int], str]) -> None:
     in_shell = ["sh", "-c", f"{' '.join(PLAY)}; echo it ended with $?; exec cat"]
     with in_tmux(in_shell, (80, 24)) as tmux:
