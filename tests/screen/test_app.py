@@ -1,14 +1,12 @@
 from __future__ import annotations
 
 import asyncio
-import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 
 import pytest
 from conftest import MakeApp
-from seams import notes, on_screen, screen_text, tap
+from seams import on_screen, screen_text, tap
 from textual.geometry import Region
 
 from rl_tui.common.errors import UserError
@@ -16,11 +14,7 @@ from rl_tui.live.player import Player
 from rl_tui.runs.library import recipe_for
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.display import Display
-from rl_tui.screen.app.find import FindScreen, entries_on, found_by
 from rl_tui.screen.app.screenshot import settle
-from rl_tui.screen.catalogue.catalogue import CatalogueScreen
-from rl_tui.screen.keys.action import Place
-from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.scenario import read_scenario
@@ -30,14 +24,6 @@ title = "Nowhere"
 [gymnasium]
 id = "Nowhere-v0"
 """
-
-
-@pytest.mark.process
-def test_importing_the_app_loads_neither_numba_nor_gymnasium() -> None:
-    slow = "{'numba', 'gymnasium', 'scipy'}"
-    code = f"import sys, rl_tui.screen.app.app; print(sorted({slow} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 @pytest.mark.parametrize(
@@ -75,9 +61,7 @@ async def test_it_can_be_quit_before_anything_is_ready(make_app: MakeApp) -> Non
     assert app.return_code == 0
 
 
-async def test_the_theme_changes_colours_and_the_actions_of_the_screen_are_found_and_done(
-    make_app: MakeApp,
-) -> None:
+async def test_the_theme_changes_colours(make_app: MakeApp) -> None:
     async with on_screen(make_app("student", theme="dark")) as pilot:
         screen = pilot.app.screen
         assert isinstance(screen, Playground)
@@ -88,17 +72,6 @@ async def test_the_theme_changes_colours_and_the_actions_of_the_screen_are_found
         assert screen.board.table.look.palette == pilot.app.look.palette
         heading = next(iter(screen.board.controls.render_lines(Region(0, 0, 5, 1))[0]))
         assert (heading.text, heading.style.color) == ("Agent", pilot.app.look.palette.strong.color)
-        there = [each for each in actions_of(Place.PLAYGROUND) if not (each.of_lesson or each.of_program)]
-        offered = [entry.keys for entry in entries_on(screen) if entry.kind == "action"]
-        assert offered == [action.shown for action in there if action.id != "find"]
-        best = found_by("step", entries_on(screen))[0]
-        assert (best.name, best.keys) == ("Step", "s")
-        await pilot.press("slash", *"step", "enter")
-        await settle(pilot)
-        assert screen.snapshot
-        assert screen.snapshot.counters.step == 1
-        await pilot.press("ctrl+p")
-        assert isinstance(pilot.app.screen, FindScreen)
 
 
 def test_an_unknown_theme_is_refused_with_the_known_ones() -> None:
@@ -117,20 +90,6 @@ async def test_a_world_that_cannot_be_built_ends_what_play_started(tmp_path: Pat
     assert app.return_code == 1
     assert isinstance(app.return_value, UserError)
     assert "Nowhere-v0" in str(app.return_value)
-
-
-async def test_escape_leaves_a_run_with_steps_only_when_pressed_again(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        await tap(pilot, "s", "escape", "s")
-        await tap(pilot, "escape")
-        assert isinstance(pilot.app.screen, Playground)
-        assert notes(pilot.app)[-1].startswith("esc again")
-        await tap(pilot, "escape")
-        assert isinstance(pilot.app.screen, CatalogueScreen)
-        await tap(pilot, "enter")
-        assert isinstance(pilot.app.screen, Playground)
-        await tap(pilot, "escape")
-        assert isinstance(pilot.app.screen, CatalogueScreen), "nothing was done there"
 
 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:

@@ -401,22 +401,6 @@ async def test_a_picture_goes_before_marks_of_optimal_policies(
         )
 
 
-@pytest.mark.exhaustive("builds every scenario")
-async def test_the_cursor_passes_over_the_headings_of_groups(make_app: MakeApp) -> None:
-    async with make_app().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("down")
-        listed = scenarios(pilot)
-        reached = []
-        for _ in listed.options:
-            assert listed.highlighted_option
-            reached.append(listed.highlighted_option.id)
-            await pilot.press("j")
-        assert reached[:3] == ["frozenlake", "student", "frozenlake-slippery"]
-        assert None not in reached
-        assert len(set(reached)) == len(shipped())
-
-
 async def test_those_of_the_user_stand_in_a_group_of_their_own_and_faulty_ones_with_their_faults(
     make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

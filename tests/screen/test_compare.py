@@ -172,7 +172,7 @@ async def test_one_run_is_compared_with_what_is_chosen(
     app = make_app("frozenlake-slippery")
     async with on_screen(app, notifications=True) as pilot:
         sent = await beside(pilot, 1, monkeypatch)
-        for key in "lc":
+        for key in "lco":
             await pilot.press("c", key)
             assert f"Not here: {ONE_RUN}." in screen_text(pilot.app)
             await pilot.press("escape")

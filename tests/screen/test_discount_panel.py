@@ -149,6 +149,8 @@ def test_where_nothing_can_be_drawn_it_says_why() -> None:
     idle = FlipAnswer(FlipState.KNOWN)
     assert said(with_flips(bandit(), idle)) == "each pull ends its episode: γ changes nothing"
     assert NO_FLIPS in said(with_flips(lake(slippery=False)))
+    large = changed(student(), world=begin(recipe_named("taxi")).world)
+    assert "at most 100 states" in said(large), "before anybody asks"
 
 
 def test_while_hidden_no_key_gives_anything_away() -> None:
@@ -360,19 +362,6 @@ async def test_while_the_answer_is_hidden_nothing_is_shown_and_a_planner_has_fli
         await switch(pilot, "value-iteration")
         await press(pilot, "t", "g", "s")
         assert "earns 0 below" in screen_text(pilot.app)
-
-
-@pytest.mark.parametrize(
-    ("scenario", "said"),
-    [
-        ("bandit", "each pull ends its"),
-        pytest.param("taxi", "at most 100 states", marks=pytest.mark.exhaustive("a world")),
-    ],
-)
-async def test_where_there_are_none_the_panel_says_why(scenario: str, said: str, make_app: MakeApp) -> None:
-    async with on_screen(make_app(scenario), (120, 40)) as pilot:
-        await press(pilot, "t", "g")
-        assert said in screen_text(pilot.app)
 
 
 def test_the_chart_shows_the_best_action_and_the_second_best() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shlex
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,7 +16,7 @@ from textual.widgets import Static
 
 from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.live.commands import AddLane, Restart
+from rl_tui.live.commands import AddLane
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.runs.recipe import SetParameter
@@ -236,25 +235,7 @@ async def test_a_large_map_says_at_least_what_is_open() -> None:
         assert view(pilot).head == "You draw · 39,996 on its path random (?)"
 
 
-async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake-random", seed=1), (120, 40)) as pilot:
-        await press(pilot, "w", "p", "1")
-        assert len(drawn(pilot)) == 1
-        await press(pilot, "r", "r")
-        assert len(drawn(pilot)) == 1
-        screen = playground(pilot)
-        screen.send(Restart(replace(screen.recipe, seed=2)))
-        await settle(pilot)
-        assert drawn(pilot) == ()
-        assert playground(pilot).drawing.is_on
-        assert "all at random (?)" in view(pilot).head
-        await press(pilot, "1")
-        assert len(drawn(pilot)) == 1
-
-
-async def test_the_mouse_draws_towards_the_side_that_is_clicked_again_and_lanes_have_one_drawing(
-    make_app: MakeApp,
-) -> None:
+async def test_the_mouse_draws_towards_the_side_that_is_clicked_again(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "w", "p")
         world = view(pilot)

@@ -230,13 +230,6 @@ async def test_in_the_least_terminal_names_of_numbers_are_written_close_together
         assert not any("…" in row for row in rows)
 
 
-async def test_a_part_of_a_map_says_which_it_is(make_app: MakeApp) -> None:
-    async with on_screen(make_app("taxi")) as pilot:
-        world = playground(pilot).board.world
-        last = world.render_line(world.size.height - 1).text
-        assert last.startswith("rows 0–18 of 29")
-
-
 async def test_a_message_is_spelled_in_the_characters_of_the_terminal(make_app: MakeApp) -> None:
     async with on_screen(make_app("student", ascii=True), notifications=True) as pilot:
         for number, say in enumerate((playground(pilot).tell, playground(pilot).notify)):

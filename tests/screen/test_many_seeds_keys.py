@@ -8,16 +8,16 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, side_by_side
 from samples import answered, bandit, lake, look
-from seams import on_screen, playground, screen_text, show, snapshot
+from seams import on_screen, playground, screen_text, show
 from snapshots import changed
 from study_samples import bandit_study, cliff_study, lake_study
 from textual.pilot import Pilot
 from textual.widgets import OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.live.commands import Command, EndStudy, HideAnswer, StudySeeds
+from rl_tui.live.commands import Command, EndStudy, StudySeeds
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.kit.row import BUDGET, CURVE, MANY_SEEDS, MICROSCOPE, TABLE
+from rl_tui.screen.kit.row import CURVE, MANY_SEEDS, MICROSCOPE, TABLE
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import curve_data
 from rl_tui.screen.theme.glyphs import UNICODE
@@ -74,21 +74,6 @@ async def test_a_key_opens_it_beside_the_curve_and_closes_it_as_escape_does(
         assert board.opened is None
         orders = [each for each in sent[3:] if each in (StudySeeds(), EndStudy())]
         assert orders == [StudySeeds(), EndStudy()] * 2
-
-
-async def test_a_bandit_reveals_its_regret(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        sent = recorded(pilot, monkeypatch)
-        await pilot.press("t", "m")
-        await pilot.pause()
-        assert not playground(pilot).board.shows(BUDGET)
-        (lane, _) = bandit_study().lanes
-        study = bandit_study(lanes=(lane,))
-        assert "146 ± 2" not in await fed(pilot, study)
-        await pilot.press("w", "h")
-        assert sent[-1] == HideAnswer(is_hidden=False)
-        show(playground(pilot), answered(snapshot(pilot)))
-        assert "146 ± 2" in await fed(pilot, study)
 
 
 async def test_keys_scroll_a_small_one(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:

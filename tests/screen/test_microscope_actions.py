@@ -11,7 +11,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.live.commands import GoTo, StepBack
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.board.board import Board
-from rl_tui.screen.kit.row import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
+from rl_tui.screen.kit.row import MICROSCOPE, TABLE, WORLD
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.screen.panels.microscope.update import RETURN_HEADING
@@ -88,19 +88,7 @@ async def test_it_is_drawn_from_every_step_and_an_earlier_one_is_told_as_it_was_
         assert not board(pilot).table.sources
 
 
-async def test_the_tab_key_goes_to_panels_in_view_only(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "s", "d")
-        seen = set()
-        for _ in range(12):
-            await press(pilot, "tab")
-            seen.add(board(pilot).panel_of(pilot.app.focused))
-        assert seen == {WORLD, CURVE, TIMELINE, MICROSCOPE, CONTROLS}
-
-
-async def test_the_cursor_of_the_world_chooses_the_state_and_its_greedy_or_updated_pair_is_shown(
-    make_app: MakeApp,
-) -> None:
+async def test_the_cursor_of_the_world_chooses_the_state(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (160, 50)) as pilot:
         await train(pilot, 2_000)
         await press(pilot, "d")

@@ -7,8 +7,6 @@ from seams import on_screen, playground, press, screen_text, snapshot, tap, trai
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.frame.message_line import MessageLine
-from rl_tui.screen.kit.snapshot_facts import is_secret
-from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.worlds.files.catalogue import scenarios
 
 
@@ -60,22 +58,6 @@ async def test_it_starts_paused_keys_step_and_run_and_set_the_speed_and_a_notice
         assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3
 
 
-async def test_v_goes_round_the_layers_and_brackets_to_the_neighbouring_scenarios(make_app: MakeApp) -> None:
-    async with on_screen(make_app("cliff")) as pilot:
-        table = pilot.app.screen.query_one(QTable)
-        seen = []
-        for _ in range(4):
-            seen.append(table.shown_layer)
-            await press(pilot, "v")
-        assert len(set(seen)) == 4
-        assert table.shown_layer == seen[0]
-        ids = [scenario.id for scenario in scenarios()]
-        await press(pilot, "w", "left_square_bracket")
-        assert snapshot(pilot).recipe.scenario.id == ids[ids.index("cliff") - 1]
-        await press(pilot, "w", "right_square_bracket")
-        assert snapshot(pilot).recipe.scenario.id == "cliff"
-
-
 async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         board = playground(pilot).board
@@ -114,14 +96,6 @@ async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_no
         pilot.app.set_focus(None)
         await press(pilot, "question_mark", "3", "pagedown")
         assert "student MDP" in str(pilot.app.screen.query("MarkdownParagraph").last().render())
-
-
-async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        assert is_secret(await press(pilot))
-        assert not is_secret(await press(pilot, "w", "h"))
-        assert is_secret(await press(pilot, "w", "h"))
-        assert is_secret(await press(pilot, "w", "h", "r", "r"))
 
 
 async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> None:

@@ -30,7 +30,6 @@ from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.side_by_side import greedy_differences, lane_results, lane_titles, sides
 from rl_tui.screen.panels.world.view import WorldView
-from rl_tui.screen.playground.actions.lanes import ONE_RUN
 
 FOUR = ("world", "world-beside", "table", "table-beside")
 
@@ -238,9 +237,6 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), notifications=True) as pilot:
-        await press(pilot, "c", "o")  # the message with one run
-        assert ONE_RUN in screen_text(pilot.app)
-        await press(pilot, "escape")
         await open_lane(pilot, "alpha", "0.5")
         board, (left, _) = board_of(pilot), worlds(pilot)
         await press(pilot, "c", "o")

@@ -65,7 +65,6 @@ async def test_the_mode_is_seen_and_y_or_escape_ends_it(make_app: MakeApp) -> No
         before = (world.head, world.foot, bottom_line(pilot))
         await press(pilot, "y")
         assert world.head == "You are the agent"
-        assert world.foot == "1 study  2 check phone · y: hand back"
         assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? keys"
         assert world.has_class("-manual")
         assert "◉ you act" in playground(pilot).query_one(StatusLine).render_line(0).text

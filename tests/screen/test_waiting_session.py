@@ -58,6 +58,7 @@ async def says(pilot: Pilot[UserError], pattern: str) -> bool:
     return False
 
 
+@pytest.mark.exhaustive("plays at another size", but=["size0"])
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_what_was_learned_is_drawn_while_it_waits(size: tuple[int, int], tmp_path: Path) -> None:
     app = RlTuiApp(Display(fps=1000.0), left_at(tmp_path, STEPS), picture=True)
