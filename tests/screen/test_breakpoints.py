@@ -38,12 +38,6 @@ def pointing(view: WorldView, place: int, snapshot: Snapshot) -> WorldView:
     return view
 
 
-def style_at(strip: Strip, column: int) -> Style:
-    style = next(iter(strip.crop(column, column + 1))).style
-    assert style is not None
-    return style
-
-
 def marks(strips: list[Strip], style: Style) -> list[tuple[int, int, str]]:
     found = []
     for row, strip in enumerate(strips):

@@ -21,7 +21,7 @@ from rl_tui.screen.keys.registry import ACTIONS
 from rl_tui.screen.panels.draw_panel import SheetLine, ToolCell, ToolRows, ToolSheet, fitting
 from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
-from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
+from rl_tui.worlds.drawing import CellKind, Graph, Grid
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
 from rl_tui.worlds.files.catalogue import find
@@ -31,11 +31,6 @@ pytestmark = pytest.mark.screen
 
 SIZES = [(80, 24), (120, 40)]
 EDITING = next(action for action in ACTIONS if action.id == "editing.toggle")
-DRAWINGS = {
-    "map": Grid(2, 2, (CellKind.FLOOR,) * 4, (0, 1, 2, 3), ((0, -1), (1, 0), (0, 1), (-1, 0))),
-    "graph": Graph(((0, 0), (1, 0))),
-    "arms": Arms(10),
-}
 
 
 def graph_drawn(pilot: Pilot[UserError]) -> GraphDraft:

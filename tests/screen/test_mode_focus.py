@@ -26,10 +26,6 @@ def view(pilot: Pilot[UserError]) -> WorldView:
     return world
 
 
-def map_text(pilot: Pilot[UserError]) -> str:
-    return "\n".join(view(pilot).render_line(y).text for y in range(view(pilot).size.height))
-
-
 def key_line(pilot: Pilot[UserError]) -> str:
     return playground(pilot).query_one(KeyLine).render_line(0).text.strip()
 
