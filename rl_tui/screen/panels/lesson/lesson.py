@@ -20,28 +20,8 @@ from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, shortened, s
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Flow, Labelled, Row, Text
 from rl_tui.screen.kit.scrolling import ScrolledPanel
+from rl_tui.screen.panels.lesson import words
 from rl_tui.screen.panels.lesson.prose import prose_lines
-from rl_tui.screen.panels.lesson.words import (
-    DONE,
-    NOT_COUNTED,
-    Offer,
-    PageStage,
-    answer_text,
-    condition_sign,
-    in_run_text,
-    name_of_deed,
-    named_hints,
-    next_hint,
-    next_keys,
-    open_page,
-    progress,
-    reply_to,
-    stage_of,
-    summary_line,
-    truth_text,
-    verdict_piece,
-    went_another_way,
-)
 from rl_tui.screen.panels.status_line import WaitingRow, waiting_line
 from rl_tui.screen.theme.look import Look
 
@@ -115,14 +95,14 @@ class _Page:
     def __init__(self, view: LessonView, snapshot: Snapshot, look: Look) -> None:
         self._view = view
         self._record = view.record
-        self._page: Page = open_page(view.record)
+        self._page: Page = words.open_page(view.record)
         self._snapshot = snapshot
-        self._stage = stage_of(view, snapshot)
+        self._stage = words.stage_of(view, snapshot)
         self._look = look
         self._palette = look.palette
 
     def text(self, spotlight: Spotlight | None) -> Iterator[Block]:
-        page, is_done = self._page, self._stage in DONE
+        page, is_done = self._page, self._stage in words.DONE
         if spotlight is not None:
             yield self._look_at(spotlight)
         if page.text:
@@ -137,13 +117,13 @@ class _Page:
             yield from (BLANK, _Prose(page.explanation))
 
     def now(self) -> Iterator[Block]:
-        if self._stage in DONE:
+        if self._stage in words.DONE:
             return
         ask, task = self._page.asked, self._page.task
         given = self._record.given_on(self._page.id)
         if ask is not None:
             yield from self._asked(ask)
-            if self._stage is not PageStage.LOCKED:
+            if self._stage is not words.PageStage.LOCKED:
                 yield from (_Prose(f"- {choice.text}") for choice in ask.choices)
             elif given is not None:
                 yield self._locked(ask, given)
@@ -156,11 +136,11 @@ class _Page:
 
     def _head(self) -> Block:
         palette = self._palette
-        style = palette.strong if self._stage in DONE else palette.you + _BOLD
-        return self._row(Piece(name_of_deed(self._page), style))
+        style = palette.strong if self._stage in words.DONE else palette.you + _BOLD
+        return self._row(Piece(words.name_of_deed(self._page), style))
 
     def _asked(self, ask: Ask) -> Iterator[Block]:
-        is_open = self._stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER)
+        is_open = self._stage in (words.PageStage.TO_PREDICT, words.PageStage.TO_ANSWER)
         yield from (self._head(), _Prose(ask.ask, self._palette.strong if is_open else None))
 
     def _told(self, ask: Ask) -> Iterator[Block]:
@@ -168,26 +148,26 @@ class _Page:
         yield from (BLANK, *self._asked(ask))
         if given is None:
             return
-        truth = truth_text(ask, given, self._look.glyphs)
+        truth = words.truth_text(ask, given, self._look.glyphs)
         yield from (BLANK, _NEWS, self._locked(ask, given))
-        yield self._row(verdict_piece(given.is_right, self._look), Piece(truth, palette.text))
+        yield self._row(words.verdict_piece(given.is_right, self._look), Piece(truth, palette.text))
         yield from self._in_run(ask)
-        yield from (BLANK, _Prose(reply_to(ask, given.answer, is_right=given.is_right)))
+        yield from (BLANK, _Prose(words.reply_to(ask, given.answer, is_right=given.is_right)))
         right, made = self._record.predictions
         told = f"{right} of {counted(made, 'prediction')} right so far."
-        yield Text(NOT_COUNTED if self._page.guess else told, palette.dim)
+        yield Text(words.NOT_COUNTED if self._page.guess else told, palette.dim)
 
     def _in_run(self, ask: Ask) -> Iterator[Block]:
         in_run = self._view.in_run
         if in_run is None:
             return
-        yield Text(f"In your run: {in_run_text(in_run, self._look.glyphs)}", self._palette.strong)
-        if went_another_way(ask, in_run):
+        yield Text(f"In your run: {words.in_run_text(in_run, self._look.glyphs)}", self._palette.strong)
+        if words.went_another_way(ask, in_run):
             yield Text("Your run went another way: b goes back, r p restarts it.", self._palette.text)
 
     def _locked(self, ask: Ask, given: Given) -> Block:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
-        said = answer_text(ask, given.answer, self._look.glyphs)
+        said = words.answer_text(ask, given.answer, self._look.glyphs)
         text = f"You said{':' if ask.choices else ''} {said} (locked{at})"
         return Text(text, self._palette.strong)
 
@@ -197,17 +177,17 @@ class _Page:
     def _last_answer(self, ask: Ask) -> Iterator[Block]:
         given = self._record.last_given_on(self._page.id)
         if given is not None:
-            said = answer_text(ask, given.answer, self._look.glyphs)
-            verdict = verdict_piece(given.is_right, self._look)
+            said = words.answer_text(ask, given.answer, self._look.glyphs)
+            verdict = words.verdict_piece(given.is_right, self._look)
             yield from (BLANK, _NEWS, self._row(verdict, Piece(f" – {said}", self._palette.text)))
-            yield _Prose(reply_to(ask, given.answer, is_right=given.is_right))
+            yield _Prose(words.reply_to(ask, given.answer, is_right=given.is_right))
 
     def _to_do(self, task: Task) -> Iterator[Block]:
-        is_open = self._stage is PageStage.TO_DO
+        is_open = self._stage is words.PageStage.TO_DO
         yield from (self._head(), _Prose(task.do, self._palette.strong if is_open else None))
         for condition in self._conditions(task):
             found = f" ({condition.found})" if condition.found else ""
-            yield self._beside(condition_sign(condition.holds, self._look), f"{condition.text}{found}")
+            yield self._beside(words.condition_sign(condition.holds, self._look), f"{condition.text}{found}")
 
     def _found(self, task: Task) -> Iterator[Block]:
         view = self._view.task
@@ -228,8 +208,8 @@ class _Page:
         return () if self._view.task is None else self._view.task.conditions
 
     def _hints(self, task: Task) -> Iterator[Block]:
-        hints = named_hints(task)
-        asked, is_passed = self._record.hints_on(self._page.id), self._stage is PageStage.PASSED
+        hints = words.named_hints(task)
+        asked, is_passed = self._record.hints_on(self._page.id), self._stage is words.PageStage.PASSED
         for number, (name, hint) in enumerate(hints.items(), start=1):
             if number <= asked:
                 yield BLANK
@@ -252,7 +232,7 @@ class _Page:
         return Row(whole, instead=[Text(text, pieces[0].style, rest="   ")])
 
 
-_Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
+_Shown = tuple[str, words.PageStage | None, int, tuple[str, ...]]
 """Page, stage, number of hints and answers, and remarks."""
 
 
@@ -279,7 +259,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
     is_pinned = False
     """True if the task is in view whatever part of the text is."""
     following = ""
-    offers: tuple[Offer, ...] = ()
+    offers: tuple[words.Offer, ...] = ()
     _shown: _Shown = ("", None, 0, ())
     _lines: Sequence[Line] = ()
     _news = 0
@@ -295,7 +275,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
             line = None
             if self.replaces_header:
                 line = waiting_line(snapshot, self.look, width, unanswered=self.unanswered)
-            line = line or summary_line(snapshot.lesson, snapshot, self.look, width)
+            line = line or words.summary_line(snapshot.lesson, snapshot, self.look, width)
             return strips_of([line], width, height, self.look)
         return self._page(snapshot.lesson, snapshot, width, height)
 
@@ -303,7 +283,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         text, now, self._news = page_lines(view, snapshot, self.look, width - 1, self.spotlight)
         gap: list[Line] = [[]] if text else []
         is_spaced = len(text) + len(now) + 4 <= height
-        ask = open_page(view.record).asked
+        ask = words.open_page(view.record).asked
         is_typed = self.takes_turns and ask is not None and not ask.choices  # its box covers the last rows
         if now and (is_spaced or is_typed):
             now = [*now, [self._margin(view, snapshot)]]
@@ -315,7 +295,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         strips = super().picture(snapshot, width, area)
         below = len(self._lines) - self._first - area
         self._offer(
-            next_keys(
+            words.next_keys(
                 view,
                 snapshot,
                 is_more=below > 0,
@@ -335,7 +315,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
             view, record = snapshot.lesson, snapshot.lesson.record
             told = record.hints_on(record.page) + len(record.given)
             remarks = () if view.task is None else view.task.remarks
-            self._follow((record.page, stage_of(view, snapshot), told, remarks), height)
+            self._follow((record.page, words.stage_of(view, snapshot), told, remarks), height)
         return strips_of(self._lines, width, len(self._lines), self.look)
 
     def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
@@ -348,16 +328,20 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         self.action_scroll_pages(pages)
         return self._first != before
 
-    def _offer(self, offers: tuple[Offer, ...]) -> None:
+    def _offer(self, offers: tuple[words.Offer, ...]) -> None:
         if offers != self.offers:
             self.offers = offers
             self.post_message(self.Offered())
 
     def _key_row(self, view: LessonView, snapshot: Snapshot, width: int, *, is_alone: bool) -> Line:
-        palette, hint = self.look.palette, next_hint(view.record)
+        palette, hint = self.look.palette, words.next_hint(view.record)
         start = [self._margin(view, snapshot)]
-        word = [Piece(f" {name_of_deed(open_page(view.record))} ", palette.you + _BOLD)] if is_alone else []
-        hints: Offer = (("h", hint),) if hint else ()
+        word = (
+            [Piece(f" {words.name_of_deed(words.open_page(view.record))} ", palette.you + _BOLD)]
+            if is_alone
+            else []
+        )
+        hints: words.Offer = (("h", hint),) if hint else ()
         forms = [
             [*start, *word, *(piece for each in (*before, *form) for piece in _hint(*each, self.look))]
             for before in (hints, ())
@@ -366,13 +350,13 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return first_that_fits(forms, width, self.look)
 
     def _margin(self, view: LessonView, snapshot: Snapshot) -> Piece:
-        is_done = stage_of(view, snapshot) in DONE
+        is_done = words.stage_of(view, snapshot) in words.DONE
         return Piece(" " if is_done else _BAR, self.look.palette.you)
 
     def _label(self, record: LessonRecord, below: int, width: int) -> None:
-        title = open_page(record).title
+        title = words.open_page(record).title
         self.heading = self.fitting((title, shortened(title, width - _AROUND_A_TITLE, "…")), width)
-        tracks = [progress(record, cells, self.look.glyphs) for cells in _TRACKS]
+        tracks = [words.progress(record, cells, self.look.glyphs) for cells in _TRACKS]
         more = [f"{counted(below, 'more line')} · {each}" for each in tracks] if below > 0 else []
         self.footing = self.fitting((*more, *tracks), width)
 

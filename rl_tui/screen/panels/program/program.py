@@ -16,27 +16,8 @@ from rl_tui.programs.evidence.verdict import Rule
 from rl_tui.screen.draw.canvas import Line, Piece, length, spelled, strips_of
 from rl_tui.screen.kit.blocks import Block, Row, Text, lines_of
 from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.panels.program import words as wording
 from rl_tui.screen.panels.program.findings import NO_JUDGEMENT, WORTH_SAYING, nothing_wrong
-from rl_tui.screen.panels.program.words import (
-    IN_SHORT,
-    LONGEST_NAME,
-    LONGEST_SENTENCE,
-    clause,
-    counted,
-    exploration_texts,
-    fit_texts,
-    fitting_numbers,
-    in_brief,
-    is_early,
-    name_of,
-    notes_of,
-    number_text,
-    open_text,
-    place_text,
-    ranked,
-    table_texts,
-    update_texts,
-)
 from rl_tui.screen.theme.look import Look
 
 LOOKED_FOR_LATER: Final = "its table is found while it learns"
@@ -69,7 +50,7 @@ class ProgramPanel(Panel):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Draw the program."""
         program = None if snapshot is None else snapshot.program
-        name = "Program" if program is None else f"Program · {name_of(program)}"
+        name = "Program" if program is None else f"Program · {wording.name_of(program)}"
         self.heading = self.fitting((*self.captioned(name), name, "Program"), width)
         self.footing = "" if program is None else self.fitting(_HINTS, width)
         parts = [] if snapshot is None or program is None else [*_parts(snapshot, program, self.look)]
@@ -111,63 +92,64 @@ def _parts(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[_Pa
 
     if program.refused:
         yield _Part(
-            0, text(f"{look.glyphs.stopped} {one_line(program.refused, LONGEST_SENTENCE)}", palette.bad)
+            0,
+            text(f"{look.glyphs.stopped} {one_line(program.refused, wording.LONGEST_SENTENCE)}", palette.bad),
         )
         return
     if error is not None:
-        place = place_text(error.file, error.line, program)
-        what = f"{one_line(error.type, LONGEST_NAME)}{f' ({place})' if place else ''}"
-        said = f"{look.glyphs.stopped} {what}: {one_line(error.text, LONGEST_SENTENCE)}"
+        place = wording.place_text(error.file, error.line, program)
+        what = f"{one_line(error.type, wording.LONGEST_NAME)}{f' ({place})' if place else ''}"
+        said = f"{look.glyphs.stopped} {what}: {one_line(error.text, wording.LONGEST_SENTENCE)}"
         yield _Part(0, text(said, palette.bad), _ERROR_ROWS)
-    yield _Part(4, text(one_line(program.reloaded, LONGEST_SENTENCE), palette.strong), _NEWS_ROWS)
+    yield _Part(4, text(one_line(program.reloaded, wording.LONGEST_SENTENCE), palette.strong), _NEWS_ROWS)
     yield _Part(5, row(_table(program, steps), palette.text))
-    looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
+    looked = "; ".join(one_line(each, wording.LONGEST_SENTENCE) for each in program.looked_for)
     if looked and steps and program.table is None:
         yield _Part(6, text(f"searched for: {looked}", palette.dim))
     update = program.verdict.update
-    if texts := update_texts(update, look.glyphs):
+    if texts := wording.update_texts(update, look.glyphs):
         yield _Part(2, row(texts, palette.strong), _REASON_ROWS)
     elif program.table is not None:
-        reason = clause(update.reason)
-        known = fitting_numbers(update, look.glyphs)
+        reason = wording.clause(update.reason)
+        known = wording.fitting_numbers(update, look.glyphs)
         start = f"update known in part, {known}" if known else UNKNOWN if reason else f"{UNKNOWN} yet"
-        forms = [f"{start}: {form}" if form else start for form in (reason, in_brief(reason))]
+        forms = [f"{start}: {form}" if form else start for form in (reason, wording.in_brief(reason))]
         whole, brief = (text(form, palette.text) for form in forms)
         yield _Part(2, whole, _REASON_ROWS, shorter=[brief])
-    is_open, fits = open_text(update, look.glyphs), fit_texts(update)
+    is_open, fits = wording.open_text(update, look.glyphs), wording.fit_texts(update)
     forms = [" · ".join(filter(None, (each, is_open))) for each in fits]
     yield _Part(6, row([*forms, *fits], palette.dim))
     exploration = program.verdict.exploration
     rank = 3 if exploration is not None and exploration.departs else 7
-    yield _Part(rank, row(exploration_texts(exploration, look.glyphs), palette.dim))
+    yield _Part(rank, row(wording.exploration_texts(exploration, look.glyphs), palette.dim))
     if program.verdict.findings:
         yield _Part(1, [_findings(program, look)])
     elif steps >= WORTH_SAYING and program.table is not None:
         yield _Part(3, row(_nothing_wrong(program, steps), palette.dim))
     if program.gamma is not None and program.gamma_source in _GAMMA_FROM:
-        gamma = f"for γ {number_text(program.gamma, look.glyphs)}"
+        gamma = f"for γ {wording.number_text(program.gamma, look.glyphs)}"
         source = f"{gamma}: {_GAMMA_FROM[program.gamma_source]}"
         forms = [f"exact values are {source}", f"exact {source}", f"exact values {gamma}"]
         yield _Part(7, row(forms, palette.dim))
     if program.table is not None and (others := program.table.others):
-        listed = ", ".join(one_line(each, LONGEST_NAME) for each in others[:4])
+        listed = ", ".join(one_line(each, wording.LONGEST_NAME) for each in others[:4])
         forms = [f"a b chooses another table: {listed}", f"a b: another table ({len(others):,})"]
         yield _Part(7, row(forms, palette.dim))
-    if notes := notes_of(program):
+    if notes := wording.notes_of(program):
         count = f"note 1 of {len(notes):,}: " if len(notes) > 1 else "note: "
-        brief = text(f"{count}{in_brief(notes[0])}   a f shows it", palette.dim)
+        brief = text(f"{count}{wording.in_brief(notes[0])}   a f shows it", palette.dim)
         yield _Part(8, text(f"{count}{notes[0]}", palette.dim), more=" a f shows it", shorter=[brief])
 
 
 def _table(program: ProgramView, steps: int) -> Sequence[str]:
-    environment = one_line(program.environment, LONGEST_NAME)
+    environment = one_line(program.environment, wording.LONGEST_NAME)
     if program.table is not None:
-        tables = table_texts(program.table)
+        tables = wording.table_texts(program.table)
         return *(f"{environment} · {each}" for each in tables[:2]), *tables
     if not steps and not program.ended:
         return f"{environment} · {LOOKED_FOR_LATER}", LOOKED_FOR_LATER, NO_TABLE_YET
     if program.wanted:
-        wanted = f"{NO_TABLE} named {one_line(program.wanted, LONGEST_NAME)}"
+        wanted = f"{NO_TABLE} named {one_line(program.wanted, wording.LONGEST_NAME)}"
         return f"{wanted} where env.step was called", wanted, NO_TABLE
     start = f"{environment} · {NO_TABLE}" if environment else NO_TABLE
     hint = [f"{start}: a f shows the search"] if program.looked_for else []
@@ -175,10 +157,10 @@ def _table(program: ProgramView, steps: int) -> Sequence[str]:
 
 
 def _findings(program: ProgramView, look: Look) -> Row:
-    findings = ranked(program.verdict.findings)
+    findings = wording.ranked(program.verdict.findings)
     worst = findings[0]
-    place, said = place_text(worst.file, worst.line, program), IN_SHORT[worst.fault]
-    count = f" {look.glyphs.breakpoint} {counted(findings)}"
+    place, said = wording.place_text(worst.file, worst.line, program), wording.IN_SHORT[worst.fault]
+    count = f" {look.glyphs.breakpoint} {wording.counted(findings)}"
     style = look.palette.bad if worst.kind == "fault" else look.palette.strong
     hint = Piece("   a f shows it" if len(findings) == 1 else "   a f shows them", look.palette.dim)
     texts = (f"{count}: {said}{f' ({place})' if place else ''}", f"{count}: {said}", count)
@@ -187,7 +169,7 @@ def _findings(program: ProgramView, look: Look) -> Row:
 
 def _nothing_wrong(program: ProgramView, steps: int) -> Sequence[str]:
     update = program.verdict.update
-    if is_early(update):
+    if wording.is_early(update):
         return f"{NO_JUDGEMENT}   a f shows what was examined", NO_JUDGEMENT
     found = f"{nothing_wrong(program)} in {steps:,} steps"
     if update.rule is Rule.UNKNOWN:
