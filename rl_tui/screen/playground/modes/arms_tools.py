@@ -8,20 +8,7 @@ from typing import Final
 
 from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.panels.draw_panel import WorldNumber
-from rl_tui.screen.playground.modes.rules import (
-    DRIFT,
-    MEAN,
-    SPREAD,
-    SUCCESS,
-    Desk,
-    Tool,
-    Toolbox,
-    ask_rules,
-    checked,
-    number_in,
-    number_of,
-    number_text,
-)
+from rl_tui.screen.playground.modes import rules
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.world import World
@@ -29,7 +16,7 @@ from rl_tui.worlds.world import World
 _NO_RULES: Final = "arms that pay 1 or 0 have no spread and do not drift"
 
 
-class ArmsTools(Toolbox[ArmsDraft]):
+class ArmsTools(rules.Toolbox[ArmsDraft]):
     """Tools for the arms of a bandit."""
 
     rest = "arms, rules, save"
@@ -37,43 +24,45 @@ class ArmsTools(Toolbox[ArmsDraft]):
     def __init__(self) -> None:
         self._added: tuple[int, int] | None = None  # number of arms including the new one, and its index
 
-    def about(self, desk: Desk[ArmsDraft]) -> tuple[str, ...]:
+    def about(self, desk: rules.Desk[ArmsDraft]) -> tuple[str, ...]:
         """Describe the arm under the cursor."""
         draft, arm = desk.draft, _arm(desk)
-        mean = number_text(draft.means[arm], 4)
-        since = ", at first: means drift" if number_of(draft, DRIFT.name) else ""
+        mean = rules.number_text(draft.means[arm], 4)
+        since = ", at first: means drift" if rules.number_of(draft, rules.DRIFT.name) else ""
         return (f"arm {arm} pays {mean} on average{since}", f"arm {arm}: {mean}")
 
-    def advice(self, desk: Desk[ArmsDraft]) -> tuple[str, ...]:
+    def advice(self, desk: rules.Desk[ArmsDraft]) -> tuple[str, ...]:
         """Describe what the pointer does."""
         return "click: cursor · wheel: what an arm pays", "wheel: what an arm pays"
 
-    def numbers(self, desk: Desk[ArmsDraft]) -> tuple[WorldNumber, ...]:
+    def numbers(self, desk: rules.Desk[ArmsDraft]) -> tuple[WorldNumber, ...]:
         """Return the mean, and the rewards' spread and drift."""
         draft = desk.draft
-        mean = WorldNumber(SUCCESS if draft.is_bernoulli else MEAN, draft.means[_arm(desk)])
+        mean = WorldNumber(rules.SUCCESS if draft.is_bernoulli else rules.MEAN, draft.means[_arm(desk)])
         if draft.is_bernoulli:
             return (mean,)
-        return mean, *(WorldNumber(each, number_of(draft, each.name)) for each in (SPREAD, DRIFT))
+        return mean, *(
+            WorldNumber(each, rules.number_of(draft, each.name)) for each in (rules.SPREAD, rules.DRIFT)
+        )
 
-    def number_edits(self, desk: Desk[ArmsDraft], name: str, value: float) -> Sequence[Edit]:
+    def number_edits(self, desk: rules.Desk[ArmsDraft], name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set a number."""
-        if name == MEAN.name:
+        if name == rules.MEAN.name:
             return (self._edit(desk, _arm(desk), value),)
-        return checked(desk.draft, Edit(name, (), repr(value)))
+        return rules.checked(desk.draft, Edit(name, (), repr(value)))
 
-    def turn(self, desk: Desk[ArmsDraft], place: int, amount: float) -> None:
+    def turn(self, desk: rules.Desk[ArmsDraft], place: int, amount: float) -> None:
         """Raise an arm's mean by ``amount`` tenths."""
         desk.view.put_cursor(place)
         self.pay(desk, amount / 10)
 
-    def pay(self, desk: Desk[ArmsDraft], amount: float) -> None:
+    def pay(self, desk: rules.Desk[ArmsDraft], amount: float) -> None:
         """Raise the arm's mean."""
         draft, arm = desk.draft, _arm(desk)
         mean = round(draft.means[arm] + amount, 10)
         desk.draw((self._edit(desk, arm, min(max(mean, 0.0), 1.0) if draft.is_bernoulli else mean),))
 
-    def ask_mean(self, desk: Desk[ArmsDraft]) -> None:
+    def ask_mean(self, desk: rules.Desk[ArmsDraft]) -> None:
         """Ask for the arm's mean."""
         draft, arm = desk.draft, _arm(desk)
         hint = "A probability from 0 to 1." if draft.is_bernoulli else "What it pays on average."
@@ -87,7 +76,7 @@ class ArmsTools(Toolbox[ArmsDraft]):
         (_, place), self._added = self._added, None
         return place
 
-    def resize(self, desk: Desk[ArmsDraft], count: int, *, at_end: bool = False) -> None:
+    def resize(self, desk: rules.Desk[ArmsDraft], count: int, *, at_end: bool = False) -> None:
         """Add an arm here or ``at_end``, or remove one."""
         arms = len(desk.draft.means)
         at = arms if at_end else _arm(desk)
@@ -95,20 +84,20 @@ class ArmsTools(Toolbox[ArmsDraft]):
             self._added = arms + count, at
         desk.draw((Edit("arms", (), f"{count:+d}@{at}"),))
 
-    def paint(self, desk: Desk[ArmsDraft], places: Sequence[int]) -> None:
+    def paint(self, desk: rules.Desk[ArmsDraft], places: Sequence[int]) -> None:
         """Move the cursor: arms are not painted."""
         desk.view.put_cursor(places[-1])
 
-    def _edit(self, desk: Desk[ArmsDraft], arm: int, mean: float) -> Edit:
+    def _edit(self, desk: rules.Desk[ArmsDraft], arm: int, mean: float) -> Edit:
         return Edit("arm", (str(arm),), repr(mean))
 
 
-def _arm(desk: Desk[ArmsDraft]) -> int:
+def _arm(desk: rules.Desk[ArmsDraft]) -> int:
     return min(desk.view.cursor_place or 0, len(desk.draft.means) - 1)
 
 
 def _mean(draft: ArmsDraft, text: str) -> float:
-    mean = number_in(text)
+    mean = rules.number_in(text)
     if draft.is_bernoulli and not 0 <= mean <= 1:
         raise ValueError("type a probability from 0 to 1")
     return mean
@@ -118,11 +107,11 @@ def _mean(draft: ArmsDraft, text: str) -> float:
 
 
 ArmsTools.tools = (
-    Tool("equals_sign", "mean…", "Type the mean of the arm.", ArmsTools.ask_mean).also(
+    rules.Tool("equals_sign", "mean…", "Type the mean of the arm.", ArmsTools.ask_mean).also(
         symbol="=", is_of_number=True
     ),
     *(
-        Tool(
+        rules.Tool(
             key, label, f"Make the arm pay 0.1 {label} on average.", partial(ArmsTools.pay, amount=amount)
         ).also(symbol=symbol, is_of_number=True, rank=1 if symbol == "[" else None, hint=("= [ ]", "mean"))
         for key, symbol, label, amount in (
@@ -130,10 +119,12 @@ ArmsTools.tools = (
             ("right_square_bracket", "]", "more", 0.1),
         )
     ),
-    Tool("w i", "arm here", "Add an arm here.", partial(ArmsTools.resize, count=1)),
-    Tool("w d", "remove arm", "Remove this arm.", partial(ArmsTools.resize, count=-1)),
-    Tool("w b", "append arm", "Add an arm at the end.", partial(ArmsTools.resize, count=1, at_end=True)),
-    Tool("w r", "rules…", "Set how far rewards spread, and how means drift.", ask_rules).also(
+    rules.Tool("w i", "arm here", "Add an arm here.", partial(ArmsTools.resize, count=1)),
+    rules.Tool("w d", "remove arm", "Remove this arm.", partial(ArmsTools.resize, count=-1)),
+    rules.Tool(
+        "w b", "append arm", "Add an arm at the end.", partial(ArmsTools.resize, count=1, at_end=True)
+    ),
+    rules.Tool("w r", "rules…", "Set how far rewards spread, and how means drift.", rules.ask_rules).also(
         why_not=lambda _, desk: _NO_RULES if desk.draft.is_bernoulli else ""
     ),
 )

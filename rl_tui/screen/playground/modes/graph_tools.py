@@ -10,19 +10,7 @@ from rl_tui.common.errors import UserError, complaint
 from rl_tui.common.findings import place
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
 from rl_tui.screen.panels.draw_panel import SheetLine, WorldNumber
-from rl_tui.screen.playground.modes.rules import (
-    CHANCE,
-    LIMIT,
-    PAYS,
-    Desk,
-    Tool,
-    Toolbox,
-    ask_rules,
-    checked,
-    number_in,
-    number_of,
-    number_text,
-)
+from rl_tui.screen.playground.modes import rules
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.editing.edit import Edit, as_json, json_in
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of, transition_edit, with_chance
@@ -161,7 +149,7 @@ _NEW: Final = "+ an action"
 _NOTHING: Final = "no actions here. enter: add one"
 
 
-class GraphTools(Toolbox[GraphDraft]):
+class GraphTools(rules.Toolbox[GraphDraft]):
     """Tools for an MDP's graph."""
 
     rest = "states, rules, save"
@@ -172,58 +160,58 @@ class GraphTools(Toolbox[GraphDraft]):
 
     # What is shown
 
-    def about(self, desk: Desk[GraphDraft]) -> tuple[str, ...]:
+    def about(self, desk: rules.Desk[GraphDraft]) -> tuple[str, ...]:
         """Describe the state and its actions."""
         state = _state(desk)
         actions = ", ".join(actions_in(desk.draft, state)) or "terminal"
         return f"{state}: {actions}", state
 
-    def advice(self, desk: Desk[GraphDraft]) -> tuple[str, ...]:
+    def advice(self, desk: rules.Desk[GraphDraft]) -> tuple[str, ...]:
         """Describe how to choose among several outcomes."""
         if len(outcomes_in(desk.draft, _state(desk))) < 2:
             return ()
         return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
 
-    def lines(self, desk: Desk[GraphDraft]) -> tuple[SheetLine, ...]:
+    def lines(self, desk: rules.Desk[GraphDraft]) -> tuple[SheetLine, ...]:
         """Return the state's outcomes."""
         outcomes = outcomes_in(desk.draft, _state(desk))
         chosen = self._number(desk, outcomes)
         return tuple(
             SheetLine(
-                f"{each.action} → {each.to} {each.chance:.4g} pays {number_text(each.pays)}",
+                f"{each.action} → {each.to} {each.chance:.4g} pays {rules.number_text(each.pays)}",
                 number,
                 is_on=number == chosen,
             )
             for number, each in enumerate(outcomes)
         )
 
-    def choose_line(self, desk: Desk[GraphDraft], line: int) -> None:
+    def choose_line(self, desk: rules.Desk[GraphDraft], line: int) -> None:
         """Choose the line's outcome."""
         self._chosen = _state(desk), line
 
-    def go_along(self, desk: Desk[GraphDraft], step: tuple[int, int]) -> None:
+    def go_along(self, desk: rules.Desk[GraphDraft], step: tuple[int, int]) -> None:
         """Choose the next or previous outcome."""
         outcomes = outcomes_in(desk.draft, _state(desk))
         if outcomes:
             self.choose_line(desk, (self._number(desk, outcomes) + sum(step)) % len(outcomes))
 
-    def numbers(self, desk: Desk[GraphDraft]) -> tuple[WorldNumber, ...]:
+    def numbers(self, desk: rules.Desk[GraphDraft]) -> tuple[WorldNumber, ...]:
         """Return chance and reward of the outcome, and the time limit."""
         outcome = self.outcome(desk)
         return (
-            WorldNumber(CHANCE, 0.0 if outcome is None else outcome.chance),
-            WorldNumber(PAYS, 0.0 if outcome is None else outcome.pays),
-            WorldNumber(LIMIT, number_of(desk.draft, LIMIT.name)),
+            WorldNumber(rules.CHANCE, 0.0 if outcome is None else outcome.chance),
+            WorldNumber(rules.PAYS, 0.0 if outcome is None else outcome.pays),
+            WorldNumber(rules.LIMIT, rules.number_of(desk.draft, rules.LIMIT.name)),
         )
 
-    def number_edits(self, desk: Desk[GraphDraft], name: str, value: float) -> Sequence[Edit]:
+    def number_edits(self, desk: rules.Desk[GraphDraft], name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set a number."""
-        if name == LIMIT.name:
-            return checked(desk.draft, Edit(name, (), str(int(value))))
+        if name == rules.LIMIT.name:
+            return rules.checked(desk.draft, Edit(name, (), str(int(value))))
         outcome = self.outcome(desk)
         if outcome is None:
             raise ValueError(_NOTHING)
-        entry = paying(outcome, value) if name == PAYS.name else _as_likely(outcome, value)
+        entry = paying(outcome, value) if name == rules.PAYS.name else _as_likely(outcome, value)
         return (transition_edit(_state(desk), outcome.action, entry),)
 
     def place_added(self, world: World) -> int | None:
@@ -236,7 +224,7 @@ class GraphTools(Toolbox[GraphDraft]):
 
     # Outcomes of actions
 
-    def choose_action(self, desk: Desk[GraphDraft]) -> None:
+    def choose_action(self, desk: rules.Desk[GraphDraft]) -> None:
         """Ask for an action, then for its outcomes."""
         draft, state = desk.draft, _state(desk)
         candidates = [
@@ -250,14 +238,14 @@ class GraphTools(Toolbox[GraphDraft]):
             partial(self._chosen_action, desk, state),
         )
 
-    def _chosen_action(self, desk: Desk[GraphDraft], state: str, action: str) -> None:
+    def _chosen_action(self, desk: rules.Desk[GraphDraft], state: str, action: str) -> None:
         if action != _NEW:
             self._ask_outcomes(desk, state, action)
             return
         prompt = Prompt("A new action", f"Name of the new action in {state}.", "", read_name)
         desk.ask(prompt, lambda name: self._ask_outcomes(desk, state, str(name)))
 
-    def _ask_outcomes(self, desk: Desk[GraphDraft], state: str, action: str) -> None:
+    def _ask_outcomes(self, desk: rules.Desk[GraphDraft], state: str, action: str) -> None:
         draft = desk.draft
         hint = f"States and chances: {FORM}. A new name makes a new state. An empty line removes the action."
         was = written(draft, state, action)
@@ -269,7 +257,7 @@ class GraphTools(Toolbox[GraphDraft]):
 
         desk.ask(prompt, answered)
 
-    def take_action_away(self, desk: Desk[GraphDraft]) -> None:
+    def take_action_away(self, desk: rules.Desk[GraphDraft]) -> None:
         """Remove the chosen action."""
         outcome = self.outcome(desk)
         if outcome is None:
@@ -277,7 +265,7 @@ class GraphTools(Toolbox[GraphDraft]):
         else:
             desk.draw((transition_edit(_state(desk), outcome.action, None),))
 
-    def shift(self, desk: Desk[GraphDraft], chance: float) -> None:
+    def shift(self, desk: rules.Desk[GraphDraft], chance: float) -> None:
         """Raise the probability of the chosen outcome."""
         outcome = self.outcome(desk)
         try:
@@ -289,7 +277,7 @@ class GraphTools(Toolbox[GraphDraft]):
         else:
             desk.draw((transition_edit(_state(desk), outcome.action, entry),))
 
-    def ask_reward(self, desk: Desk[GraphDraft]) -> None:
+    def ask_reward(self, desk: rules.Desk[GraphDraft]) -> None:
         """Ask for the chosen outcome's reward."""
         outcome, state = self.outcome(desk), _state(desk)
         if outcome is None:
@@ -297,17 +285,17 @@ class GraphTools(Toolbox[GraphDraft]):
             return
         title = f"Reward of {outcome.action} in {state}"
         desk.ask(
-            Prompt(title, "A number.", f"{outcome.pays:g}", number_in),
+            Prompt(title, "A number.", f"{outcome.pays:g}", rules.number_in),
             lambda value: desk.draw((transition_edit(state, outcome.action, paying(outcome, float(value))),)),
         )
 
     # States
 
-    def begin_here(self, desk: Desk[GraphDraft]) -> None:
+    def begin_here(self, desk: rules.Desk[GraphDraft]) -> None:
         """Start every episode here."""
         desk.draw((Edit("start", (), as_json(_state(desk))),))
 
-    def add_state(self, desk: Desk[GraphDraft]) -> None:
+    def add_state(self, desk: rules.Desk[GraphDraft]) -> None:
         """Ask for a new state's name, and connect it."""
         draft, state = desk.draft, _state(desk)
 
@@ -324,15 +312,15 @@ class GraphTools(Toolbox[GraphDraft]):
         hint = f"Name of the new state. An action leads there from {state}."
         desk.ask(Prompt("A new state", hint, "", read, "add"), answered)
 
-    def remove_state(self, desk: Desk[GraphDraft]) -> None:
+    def remove_state(self, desk: rules.Desk[GraphDraft]) -> None:
         """Remove the state, with all outcomes that lead there."""
         desk.draw((Edit("state", (_state(desk),), "null"),))
 
-    def go_on(self, desk: Desk[GraphDraft]) -> None:
+    def go_on(self, desk: rules.Desk[GraphDraft]) -> None:
         """Go to the next state, cyclically."""
         desk.view.put_cursor(((desk.view.cursor_place or 0) + 1) % desk.snapshot.world.space.states)
 
-    def move(self, desk: Desk[GraphDraft], columns: int, rows: int) -> None:
+    def move(self, desk: rules.Desk[GraphDraft], columns: int, rows: int) -> None:
         """Move the state, or swap two."""
         draft, state = desk.draft, _state(desk)
         place = _places(desk, draft)
@@ -350,24 +338,24 @@ class GraphTools(Toolbox[GraphDraft]):
 
     # The pointer
 
-    def paint(self, desk: Desk[GraphDraft], places: Sequence[int]) -> None:
+    def paint(self, desk: rules.Desk[GraphDraft], places: Sequence[int]) -> None:
         """Move the cursor, or ask for an action there."""
         was_there = desk.view.cursor == places[-1]
         desk.view.put_cursor(places[-1])
         if was_there:
             self.choose_action(desk)
 
-    def turn(self, desk: Desk[GraphDraft], place: int, amount: float) -> None:
+    def turn(self, desk: rules.Desk[GraphDraft], place: int, amount: float) -> None:
         """Change the probability of the chosen outcome."""
         desk.view.put_cursor(place)
         self.shift(desk, amount / 20)
 
-    def outcome(self, desk: Desk[GraphDraft]) -> ActionOutcome | None:
+    def outcome(self, desk: rules.Desk[GraphDraft]) -> ActionOutcome | None:
         """Return the chosen outcome."""
         outcomes = outcomes_in(desk.draft, _state(desk))
         return outcomes[self._number(desk, outcomes)] if outcomes else None
 
-    def _number(self, desk: Desk[GraphDraft], outcomes: Sequence[ActionOutcome]) -> int:
+    def _number(self, desk: rules.Desk[GraphDraft], outcomes: Sequence[ActionOutcome]) -> int:
         if self._chosen is not None and self._chosen[0] == _state(desk):
             return min(self._chosen[1], max(0, len(outcomes) - 1))
         return next((number for number, each in enumerate(outcomes) if not each.is_alone), 0)
@@ -381,12 +369,12 @@ def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
     return with_chance(outcome.entry, outcome.to, chance)
 
 
-def _state(desk: Desk[GraphDraft]) -> str:
+def _state(desk: rules.Desk[GraphDraft]) -> str:
     names = desk.snapshot.world.space.state_names
     return names[min(desk.view.cursor_place or 0, len(names) - 1)]
 
 
-def _places(desk: Desk[GraphDraft], draft: GraphDraft) -> dict[str, Sequence[int]]:
+def _places(desk: rules.Desk[GraphDraft], draft: GraphDraft) -> dict[str, Sequence[int]]:
     world = desk.snapshot.world
     assert isinstance(world.drawing, Graph)
     seen = dict(zip(world.space.state_names, world.drawing.places, strict=True))
@@ -396,19 +384,19 @@ def _places(desk: Desk[GraphDraft], draft: GraphDraft) -> dict[str, Sequence[int
 # The tools, one row each
 
 
-def _no_outcome(box: GraphTools, desk: Desk[GraphDraft]) -> str:
+def _no_outcome(box: GraphTools, desk: rules.Desk[GraphDraft]) -> str:
     return _NOTHING if box.outcome(desk) is None else ""
 
 
 GraphTools.tools = (
-    Tool(
+    rules.Tool(
         "enter", "edit…", "Choose or add an action, and type its outcomes.", GraphTools.choose_action, rank=1
     ),
-    Tool("equals_sign", "reward…", "Type what the chosen action pays.", GraphTools.ask_reward).also(
+    rules.Tool("equals_sign", "reward…", "Type what the chosen action pays.", GraphTools.ask_reward).also(
         symbol="=", is_of_number=True, why_not=_no_outcome
     ),
     *(
-        Tool(
+        rules.Tool(
             key, label, f"Make the chosen outcome {how} by .05.", partial(GraphTools.shift, chance=chance)
         ).also(
             symbol=symbol,
@@ -422,13 +410,13 @@ GraphTools.tools = (
             ("right_square_bracket", "]", "more", "likelier", 0.05),
         )
     ),
-    Tool("delete", "remove", "Remove the chosen action.", GraphTools.take_action_away).also(
+    rules.Tool("delete", "remove", "Remove the chosen action.", GraphTools.take_action_away).also(
         symbol="del", why_not=_no_outcome
     ),
-    Tool("S", "start", "Let every episode start here.", GraphTools.begin_here, rank=6),
-    Tool("comma", "next", "Go to the next state, in the file's order.", GraphTools.go_on, ","),
+    rules.Tool("S", "start", "Let every episode start here.", GraphTools.begin_here, rank=6),
+    rules.Tool("comma", "next", "Go to the next state, in the file's order.", GraphTools.go_on, ","),
     *(
-        Tool(
+        rules.Tool(
             key,
             f"move {way}",
             f"Move the state one place {way}.",
@@ -442,9 +430,9 @@ GraphTools.tools = (
             ("V", "V", "down", 0, 1),
         )
     ),
-    Tool("w i", "state here…", "Add a state, and an action that leads there.", GraphTools.add_state),
-    Tool(
+    rules.Tool("w i", "state here…", "Add a state, and an action that leads there.", GraphTools.add_state),
+    rules.Tool(
         "w d", "remove state", "Remove this state, and all outcomes that lead there.", GraphTools.remove_state
     ),
-    Tool("w r", "rules…", "Set the start and the time limit.", ask_rules),
+    rules.Tool("w r", "rules…", "Set the start and the time limit.", rules.ask_rules),
 )

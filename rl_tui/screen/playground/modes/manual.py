@@ -13,15 +13,7 @@ from rl_tui.screen.kit.row import WORLD
 from rl_tui.screen.kit.snapshot_facts import why_over
 from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.playground.actions.kept_back import PREDICT_FIRST
-from rl_tui.screen.playground.modes.action_keys import (
-    DIGITS,
-    acting_keys,
-    action_towards,
-    actions_in_a_line,
-    acts_in,
-    digit_keys,
-    has_directions,
-)
+from rl_tui.screen.playground.modes import action_keys
 from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, KeyMode
 from rl_tui.screen.theme.glyphs import Glyphs
 
@@ -34,7 +26,7 @@ class ManualControl(KeyMode):
 
     keys: ClassVar[Mapping[str, str]] = {
         **dict.fromkeys(STEPS, "Go there"),
-        **dict.fromkeys(DIGITS, "Take this action"),
+        **dict.fromkeys(action_keys.DIGITS, "Take this action"),
         LEAVE: "Hand back",
     }
     way_back = "click or tab here to act · y: hand back", "tab here to act · y: hand back", "y: hand back"
@@ -45,12 +37,12 @@ class ManualControl(KeyMode):
         """Return whether ``key`` acts or hands back."""
         snapshot = self.snapshot
         if key in STEPS:
-            return snapshot is not None and has_directions(snapshot.world)
-        return key in DIGITS or key == LEAVE
+            return snapshot is not None and action_keys.has_directions(snapshot.world)
+        return key in action_keys.DIGITS or key == LEAVE
 
     def has_on_a_page(self, key: str) -> bool:
         """Return True for digits on a lesson page."""
-        return key in DIGITS and self.screen.focused is self.board.lesson.panel
+        return key in action_keys.DIGITS and self.screen.focused is self.board.lesson.panel
 
     def press(self, key: str) -> None:
         """Take the key's action in view of the world, or hand back."""
@@ -61,10 +53,12 @@ class ManualControl(KeyMode):
             self.toggle()
         elif snapshot is not None and key in STEPS:
             step = STEPS[key]
-            action = action_towards(snapshot.world, acts_in(snapshot), step)
+            action = action_keys.action_towards(snapshot.world, action_keys.acts_in(snapshot), step)
             self._take(snapshot, action, self.glyphs.direction(step))
         elif snapshot is not None:
-            self._take(snapshot, digit_keys(snapshot.world, acts_in(snapshot)).get(key), key)
+            self._take(
+                snapshot, action_keys.digit_keys(snapshot.world, action_keys.acts_in(snapshot)).get(key), key
+            )
 
     def why_not(self, deed: str) -> str:
         """Explain why a person cannot act now."""
@@ -160,7 +154,7 @@ def _refused(snapshot: Snapshot) -> str:
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     """Return titles of a panel, longest first."""
-    state = acts_in(snapshot)
+    state = action_keys.acts_in(snapshot)
     if snapshot.world.is_bandit or state == snapshot.counters.state:
         return (MANUAL_TITLE,)
     start = f"starts at {state_name(snapshot.world, state, glyphs)}"
@@ -171,9 +165,9 @@ def prompts(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     """Return actions and the way back."""
     keys = _keys(snapshot)
     brief = (f"{keys}: act{_HAND_BACK}", f"{keys}: act", "y: hand back")
-    forms = actions_in_a_line(snapshot.world, acts_in(snapshot), glyphs)
+    forms = action_keys.actions_in_a_line(snapshot.world, action_keys.acts_in(snapshot), glyphs)
     return (*(f"{form}{_HAND_BACK}" for form in forms[:2]), *forms[:1], *forms[1:], *brief)
 
 
 def _keys(snapshot: Snapshot) -> str:
-    return acting_keys(snapshot.world, acts_in(snapshot))
+    return action_keys.acting_keys(snapshot.world, action_keys.acts_in(snapshot))

@@ -8,25 +8,7 @@ from typing import Final
 
 from rl_tui.screen.dialogs.form import Prompt
 from rl_tui.screen.panels.draw_panel import Sign, ToolCell, WorldNumber
-from rl_tui.screen.playground.modes import brushes
-from rl_tui.screen.playground.modes.rules import (
-    LIMIT,
-    LIVING,
-    NOISE,
-    PAYS,
-    WIND,
-    WIND_ROWS,
-    Desk,
-    Tool,
-    Toolbox,
-    ask_rules,
-    checked,
-    next_word,
-    number_in,
-    number_of,
-    number_text,
-    rule_of,
-)
+from rl_tui.screen.playground.modes import brushes, rules
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.editing.grid_draft import GridDraft
@@ -41,7 +23,7 @@ ARROW: Final = brushes.Brush(_ARROW_KEY, "A", "arrow")
 """In place of a brush when clicks only move the cursor."""
 
 
-class MapTools(Toolbox[GridDraft]):
+class MapTools(rules.Toolbox[GridDraft]):
     """Brush, rectangles, copies and jumps."""
 
     rest = "rows, copy, rules, save"
@@ -56,12 +38,12 @@ class MapTools(Toolbox[GridDraft]):
 
     # Display
 
-    def about(self, desk: Desk[GridDraft]) -> tuple[str, ...]:
+    def about(self, desk: rules.Desk[GridDraft]) -> tuple[str, ...]:
         """Describe the cell under the cursor."""
         row, column = _here(desk)
         character = desk.draft.lines[row][column]
         entry = desk.draft.legend.get(character)
-        reward = "" if entry is None or entry.is_wall else f" pays {number_text(entry.pays)}"
+        reward = "" if entry is None or entry.is_wall else f" pays {rules.number_text(entry.pays)}"
         where, what = f"row {row}, column {column}", f"{character} {brushes.called(entry)}{reward}"
         rows, columns = self._rectangle(desk)
         size = f"{len(rows)} × {len(columns)} cells · " if self.corner is not None else ""
@@ -77,7 +59,7 @@ class MapTools(Toolbox[GridDraft]):
         shown = "V" if brush.key == "V" else brush.character
         return ToolCell(brush.key, shown, brush.label, sign=brush.sign)
 
-    def advice(self, desk: Desk[GridDraft]) -> tuple[str, ...]:
+    def advice(self, desk: rules.Desk[GridDraft]) -> tuple[str, ...]:
         """Describe what enter, click or drag does."""
         if self._jump_from is not None:
             return "enter or a click: where it leads · esc: drop it", "enter: it leads here", "enter: to here"
@@ -85,35 +67,35 @@ class MapTools(Toolbox[GridDraft]):
             return "click: cursor · drag: rectangle · wheel: reward", "click: cursor · drag: rectangle"
         return "enter, shift+arrow, click or drag paints", "enter or a click paints", "enter paints"
 
-    def numbers(self, desk: Desk[GridDraft]) -> tuple[WorldNumber, ...]:
+    def numbers(self, desk: rules.Desk[GridDraft]) -> tuple[WorldNumber, ...]:
         """Return the numbers of map and cell."""
         draft, (row, column) = desk.draft, _here(desk)
         entry = draft.legend.get(draft.lines[row][column])
         return (
-            WorldNumber(PAYS, 0.0 if entry is None else entry.pays),
-            WorldNumber(LIVING, number_of(draft, LIVING.name)),
-            WorldNumber(NOISE, number_of(draft, NOISE.name)),
-            WorldNumber(LIMIT, number_of(draft, LIMIT.name)),
-            WorldNumber(WIND, _wind(draft, WIND.name, column), is_short=True),
-            WorldNumber(WIND_ROWS, _wind(draft, WIND_ROWS.name, row), is_short=True),
+            WorldNumber(rules.PAYS, 0.0 if entry is None else entry.pays),
+            WorldNumber(rules.LIVING, rules.number_of(draft, rules.LIVING.name)),
+            WorldNumber(rules.NOISE, rules.number_of(draft, rules.NOISE.name)),
+            WorldNumber(rules.LIMIT, rules.number_of(draft, rules.LIMIT.name)),
+            WorldNumber(rules.WIND, _wind(draft, rules.WIND.name, column), is_short=True),
+            WorldNumber(rules.WIND_ROWS, _wind(draft, rules.WIND_ROWS.name, row), is_short=True),
         )
 
-    def can_pay(self, desk: Desk[GridDraft]) -> bool:
+    def can_pay(self, desk: rules.Desk[GridDraft]) -> bool:
         """Return whether the selection can have a reward."""
         return brushes.pays(desk.draft, *self._rectangle(desk))
 
-    def number_edits(self, desk: Desk[GridDraft], name: str, value: float) -> Sequence[Edit]:
+    def number_edits(self, desk: rules.Desk[GridDraft], name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set a number."""
         draft, (row, column) = desk.draft, _here(desk)
-        if name == PAYS.name:
+        if name == rules.PAYS.name:
             if not self.can_pay(desk):
                 raise ValueError(_WALL_PAYS)
             return (self._reward_edit(desk, value),)
-        where = {WIND.name: (str(column),), WIND_ROWS.name: (str(row),)}.get(name, ())
-        is_whole = name in (LIMIT.name, WIND.name, WIND_ROWS.name)
-        return checked(draft, Edit(name, where, repr(int(value) if is_whole else value)))
+        where = {rules.WIND.name: (str(column),), rules.WIND_ROWS.name: (str(row),)}.get(name, ())
+        is_whole = name in (rules.LIMIT.name, rules.WIND.name, rules.WIND_ROWS.name)
+        return rules.checked(draft, Edit(name, where, repr(int(value) if is_whole else value)))
 
-    def picked(self, desk: Desk[GridDraft]) -> frozenset[int]:
+    def picked(self, desk: rules.Desk[GridDraft]) -> frozenset[int]:
         """Return the rectangle's cells."""
         if self.corner is None:
             return frozenset()
@@ -122,7 +104,7 @@ class MapTools(Toolbox[GridDraft]):
 
     # Pointer and moving keys
 
-    def paint(self, desk: Desk[GridDraft], places: Sequence[int]) -> None:
+    def paint(self, desk: rules.Desk[GridDraft], places: Sequence[int]) -> None:
         """Paint or mark ``places``, or end a jump."""
         before = desk.view.cursor_place
         desk.view.put_cursor(places[-1])
@@ -135,11 +117,11 @@ class MapTools(Toolbox[GridDraft]):
         elif before == places[0]:
             self.corner = None
 
-    def turn(self, desk: Desk[GridDraft], place: int, amount: float) -> None:
+    def turn(self, desk: rules.Desk[GridDraft], place: int, amount: float) -> None:
         """Raise a cell's reward."""
         self._pay_more(desk, [_cell(desk, place)], amount)
 
-    def go_along(self, desk: Desk[GridDraft], step: tuple[int, int]) -> None:
+    def go_along(self, desk: rules.Desk[GridDraft], step: tuple[int, int]) -> None:
         """Paint towards ``step``, or extend a rectangle."""
         before = desk.view.cursor_place
         if before is None:
@@ -164,28 +146,28 @@ class MapTools(Toolbox[GridDraft]):
 
     # Brushes
 
-    def take(self, desk: Desk[GridDraft], brush: brushes.Brush) -> None:
+    def take(self, desk: rules.Desk[GridDraft], brush: brushes.Brush) -> None:
         """Take a brush, and paint the selection."""
         self._brush = brush
         self._fill_rectangle(desk)
 
-    def choose(self, desk: Desk[GridDraft], brush: brushes.Brush) -> None:
+    def choose(self, desk: rules.Desk[GridDraft], brush: brushes.Brush) -> None:
         """Take a clicked brush, and paint a rectangle."""
         self._brush = brush
         if self.corner is not None:
             self._fill_rectangle(desk)
 
-    def point(self, desk: Desk[GridDraft]) -> None:
+    def point(self, desk: rules.Desk[GridDraft]) -> None:
         """Drop the brush: clicks only move the cursor."""
         self._brush = ARROW
 
-    def pick_up(self, desk: Desk[GridDraft]) -> None:
+    def pick_up(self, desk: rules.Desk[GridDraft]) -> None:
         """Make the cell here the brush."""
         row, column = _here(desk)
         character = desk.draft.lines[row][column]
         self._brush = brushes.Brush(_PICK, character, brushes.called(desk.draft.legend.get(character)))
 
-    def enter(self, desk: Desk[GridDraft]) -> None:
+    def enter(self, desk: rules.Desk[GridDraft]) -> None:
         """Paint, or end a jump."""
         source, place = self._jump_from, desk.view.cursor_place
         if source is None or place is None:
@@ -197,7 +179,7 @@ class MapTools(Toolbox[GridDraft]):
         except ValueError as fault:
             desk.tell(str(fault))
 
-    def fill(self, desk: Desk[GridDraft]) -> None:
+    def fill(self, desk: rules.Desk[GridDraft]) -> None:
         """Paint the rectangle, or the region of equal cells."""
         if self.corner is not None:
             self._fill_rectangle(desk)
@@ -205,7 +187,7 @@ class MapTools(Toolbox[GridDraft]):
             draft = desk.draft
             desk.draw(brushes.painted(draft, self._brush, brushes.region(draft, _here(desk))))
 
-    def _fill_rectangle(self, desk: Desk[GridDraft]) -> None:
+    def _fill_rectangle(self, desk: rules.Desk[GridDraft]) -> None:
         if self._brush is ARROW:
             desk.tell("The arrow paints nothing: take a brush.")
             return
@@ -219,7 +201,7 @@ class MapTools(Toolbox[GridDraft]):
 
     # Jumps, rewards, rectangles, lines
 
-    def begin_jump(self, desk: Desk[GridDraft]) -> None:
+    def begin_jump(self, desk: rules.Desk[GridDraft]) -> None:
         """Start a jump under the cursor."""
         self._jump_from = desk.view.cursor_place
         desk.tell("Go to the end of the jump, then press enter.")
@@ -230,37 +212,37 @@ class MapTools(Toolbox[GridDraft]):
         self._jump_from = self.corner = None
         return had
 
-    def ask_reward(self, desk: Desk[GridDraft]) -> None:
+    def ask_reward(self, desk: rules.Desk[GridDraft]) -> None:
         """Ask for the selection's reward."""
         draft, (rows, columns) = desk.draft, self._rectangle(desk)
         entry = draft.legend.get(draft.lines[rows.start][columns.start])
         now = 0.0 if entry is None else entry.pays
         hint = "Paid on entering or leaving the cell: the map's rules decide."
         desk.ask(
-            Prompt("Reward of the cell", hint, f"{now:g}", number_in),
+            Prompt("Reward of the cell", hint, f"{now:g}", rules.number_in),
             lambda value: desk.draw((self._reward_edit(desk, float(value)),)),
         )
 
-    def _reward_edit(self, desk: Desk[GridDraft], value: float) -> Edit:
+    def _reward_edit(self, desk: rules.Desk[GridDraft], value: float) -> Edit:
         rows, columns = self._rectangle(desk)
         return Edit("reward", (brushes.span(rows), brushes.span(columns)), repr(value))
 
-    def pay(self, desk: Desk[GridDraft], amount: float) -> None:
+    def pay(self, desk: rules.Desk[GridDraft], amount: float) -> None:
         """Raise the reward of the selected cells."""
         self._pay_more(desk, self._cells(desk), amount)
 
-    def _pay_more(self, desk: Desk[GridDraft], cells: Sequence[brushes.Cell], amount: float) -> None:
+    def _pay_more(self, desk: rules.Desk[GridDraft], cells: Sequence[brushes.Cell], amount: float) -> None:
         edits = brushes.paying_more(desk.draft, cells, amount)
         if edits:
             desk.draw(edits)
         else:
             desk.tell(_WALL_PAYS)
 
-    def mark(self, desk: Desk[GridDraft]) -> None:
+    def mark(self, desk: rules.Desk[GridDraft]) -> None:
         """Start or drop a rectangle."""
         self.corner = desk.view.cursor_place if self.corner is None else None
 
-    def copy(self, desk: Desk[GridDraft]) -> None:
+    def copy(self, desk: rules.Desk[GridDraft]) -> None:
         """Copy the selected cells."""
         rows, columns = self._rectangle(desk)
         lines = desk.draft.lines
@@ -268,7 +250,7 @@ class MapTools(Toolbox[GridDraft]):
         self.corner = None
         desk.tell(f"copied {len(rows)} × {len(columns)} cells: w v pastes them")
 
-    def paste(self, desk: Desk[GridDraft]) -> None:
+    def paste(self, desk: rules.Desk[GridDraft]) -> None:
         """Paste here, clipped by the map."""
         draft, (top, left) = desk.draft, _here(desk)
         cells = {
@@ -279,7 +261,7 @@ class MapTools(Toolbox[GridDraft]):
         }
         desk.draw(tuple(brushes.runs(list(cells), cells.__getitem__)))
 
-    def resize(self, desk: Desk[GridDraft], name: str, count: int, *, at_end: bool) -> None:
+    def resize(self, desk: rules.Desk[GridDraft], name: str, count: int, *, at_end: bool) -> None:
         """Add a row or column here or ``at_end``, or remove one."""
         draft, (row, column) = desk.draft, _here(desk)
         self.corner = self._jump_from = None
@@ -289,31 +271,31 @@ class MapTools(Toolbox[GridDraft]):
             self._added = (rows, columns), row * columns + column
         desk.draw((Edit(name, (), f"{count:+d}@{last if at_end else here}"),))
 
-    def _rectangle(self, desk: Desk[GridDraft]) -> tuple[range, range]:
+    def _rectangle(self, desk: rules.Desk[GridDraft]) -> tuple[range, range]:
         place = desk.view.cursor_place or 0
         corner = place if self.corner is None else self.corner
         (top, left), (bottom, right) = _cell(desk, corner), _cell(desk, place)
         rows, columns = sorted((top, bottom)), sorted((left, right))
         return range(rows[0], rows[1] + 1), range(columns[0], columns[1] + 1)
 
-    def _cells(self, desk: Desk[GridDraft]) -> list[brushes.Cell]:
+    def _cells(self, desk: rules.Desk[GridDraft]) -> list[brushes.Cell]:
         rows, columns = self._rectangle(desk)
         return [(row, column) for row in rows for column in columns]
 
 
-def _drawing(desk: Desk[GridDraft]) -> Grid:
+def _drawing(desk: rules.Desk[GridDraft]) -> Grid:
     drawing = desk.snapshot.world.drawing
     assert isinstance(drawing, Grid)
     return drawing
 
 
-def _cell(desk: Desk[GridDraft], place: int) -> brushes.Cell:
+def _cell(desk: rules.Desk[GridDraft], place: int) -> brushes.Cell:
     """Return the draft's cell of a place, even if its line was removed."""
     row, column = divmod(place, _drawing(desk).columns)
     return min(row, desk.draft.rows - 1), min(column, desk.draft.columns - 1)
 
 
-def _here(desk: Desk[GridDraft]) -> brushes.Cell:
+def _here(desk: rules.Desk[GridDraft]) -> brushes.Cell:
     return _cell(desk, desk.view.cursor_place or 0)
 
 
@@ -326,22 +308,22 @@ def _wind(draft: GridDraft, name: str, line: int) -> float:
 # The tools, one row each
 
 
-def _unfinished(_: object, desk: Desk[GridDraft]) -> str:
+def _unfinished(_: object, desk: rules.Desk[GridDraft]) -> str:
     return _NOT_WHOLE if desk.snapshot.editor.unfinished else ""
 
 
-def _no_reward(box: MapTools, desk: Desk[GridDraft]) -> str:
+def _no_reward(box: MapTools, desk: rules.Desk[GridDraft]) -> str:
     return "" if box.can_pay(desk) else _WALL_PAYS
 
 
-def _value(name: str, _: object, desk: Desk[GridDraft]) -> str:
-    value = rule_of(desk.draft, name)
+def _value(name: str, _: object, desk: rules.Desk[GridDraft]) -> str:
+    value = rules.rule_of(desk.draft, name)
     return {True: "on", False: "off", "leaving": "on", "entering": "off"}.get(value, str(value))
 
 
 MapTools.tools = (
     *(
-        Tool(each.key, each.label, each.sentence, partial(MapTools.take, brush=each)).also(
+        rules.Tool(each.key, each.label, each.sentence, partial(MapTools.take, brush=each)).also(
             symbol="V" if each.key == "V" else each.character,
             click=partial(MapTools.choose, brush=each),
             sign=each.sign,
@@ -350,19 +332,19 @@ MapTools.tools = (
         )
         for each in brushes.BRUSHES
     ),
-    Tool(_JUMP, "jump", "Begin a jump here.", MapTools.begin_jump).also(
+    rules.Tool(_JUMP, "jump", "Begin a jump here.", MapTools.begin_jump).also(
         sign=Sign(CellKind.FLOOR, lambda glyphs: glyphs.right)
     ),
-    Tool(_PICK, "pick up", "Take the brush from under the cursor.", MapTools.pick_up, ","),
-    Tool(_ARROW_KEY, "arrow", "Paint nothing: click moves, drag marks.", MapTools.point),
-    Tool("enter", "paint", "Paint here. shift+arrows paint along the way.", MapTools.enter).also(
+    rules.Tool(_PICK, "pick up", "Take the brush from under the cursor.", MapTools.pick_up, ","),
+    rules.Tool(_ARROW_KEY, "arrow", "Paint nothing: click moves, drag marks.", MapTools.point),
+    rules.Tool("enter", "paint", "Paint here. shift+arrows paint along the way.", MapTools.enter).also(
         rank=5, is_told=True
     ),
-    Tool("equals_sign", "value…", "Type what the cell pays.", MapTools.ask_reward).also(
+    rules.Tool("equals_sign", "value…", "Type what the cell pays.", MapTools.ask_reward).also(
         symbol="=", why_not=_no_reward, is_of_number=True, rank=6, hint=("= [ ]", "pays")
     ),
     *(
-        Tool(key, label, sentence, partial(MapTools.pay, amount=amount)).also(
+        rules.Tool(key, label, sentence, partial(MapTools.pay, amount=amount)).also(
             symbol=symbol, why_not=_no_reward, is_of_number=True
         )
         for key, symbol, label, sentence, amount in (
@@ -370,18 +352,18 @@ MapTools.tools = (
             ("right_square_bracket", "]", "more", "Make the cell pay 1 more.", 1.0),
         )
     ),
-    Tool("w m", "mark", "Begin a rectangle at the cursor, or drop it.", MapTools.mark).also(
+    rules.Tool("w m", "mark", "Begin a rectangle at the cursor, or drop it.", MapTools.mark).also(
         value=lambda box, _: "" if box.corner is None else "on"
     ),
-    Tool("w c", "copy", "Copy the rectangle.", MapTools.copy),
-    Tool("w v", "paste", "Paste what you copied.", MapTools.paste).also(
+    rules.Tool("w c", "copy", "Copy the rectangle.", MapTools.copy),
+    rules.Tool("w v", "paste", "Paste what you copied.", MapTools.paste).also(
         why_not=lambda box, _: "" if box.copied else _NOTHING_COPIED
     ),
-    Tool("w f", "fill", "Fill the rectangle, else the region around the cursor.", MapTools.fill),
+    rules.Tool("w f", "fill", "Fill the rectangle, else the region around the cursor.", MapTools.fill),
     *(
-        Tool(key, label, sentence, partial(MapTools.resize, name=name, count=count, at_end=at_end)).also(
-            why_not=_unfinished
-        )
+        rules.Tool(
+            key, label, sentence, partial(MapTools.resize, name=name, count=count, at_end=at_end)
+        ).also(why_not=_unfinished)
         for key, label, sentence, name, count, at_end in (
             ("w i", "row here", "Add a row here.", "rows", 1, False),
             ("w d", "remove row", "Remove this row.", "rows", -1, False),
@@ -391,9 +373,9 @@ MapTools.tools = (
             ("w e", "column right", "Add a column at the right.", "columns", 1, True),
         )
     ),
-    Tool("w r", "rules…", "Set noise, wind, living reward, time limit and more.", ask_rules),
+    rules.Tool("w r", "rules…", "Set noise, wind, living reward, time limit and more.", rules.ask_rules),
     *(
-        Tool(key, label, sentence, partial(next_word, name=name), value=partial(_value, name))
+        rules.Tool(key, label, sentence, partial(rules.next_word, name=name), value=partial(_value, name))
         for key, label, sentence, name in (
             ("w p", "slippery", "Slippery: ahead, left and right equally likely.", "slippery"),
             ("w l", "on leaving", "Pay rewards on leaving a cell, or on entering it.", "rewards"),
