@@ -22,26 +22,11 @@ from rl_tui.screen.board.lane_pair import LanePair
 from rl_tui.screen.board.wanted import Wanted
 from rl_tui.screen.frame.legend_switch import LegendSwitch
 from rl_tui.screen.frame.shape import Shape
+from rl_tui.screen.kit import row as rows
 from rl_tui.screen.kit.counterparts import pairs_in
 from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, Pointed
-from rl_tui.screen.kit.row import (
-    CAPTION,
-    CONTROLS,
-    CURVE,
-    DISCOUNT,
-    DRAW,
-    LAST_STEP,
-    LESSON,
-    MICROSCOPE,
-    MODEL,
-    POLICIES,
-    TABLE,
-    TIMELINE,
-    WORLD,
-    beside,
-)
 from rl_tui.screen.kit.snapshot_facts import as_learned, is_secret
 from rl_tui.screen.panels.caption import CaptionLine
 from rl_tui.screen.panels.catalogue import PANELS
@@ -62,7 +47,7 @@ from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.screen.theme.look import Look
 
 Kind = TypeVar("Kind", bound=BoardPanel)
-_LEAST_WITH_HEADING: Final = {LAST_STEP: 5}  # rows
+_LEAST_WITH_HEADING: Final = {rows.LAST_STEP: 5}  # rows
 _LEAST_WITH_KEYS: Final = 7
 
 
@@ -82,27 +67,27 @@ class Board(Container):
         self.legends, self.rows = legends, {row.id: row for row in PANELS}
         self._panels = {row.id: row.make(look) for row in PANELS}
         self._pair = LanePair(self._panels, look)
-        self.table = self._made(TABLE, QTable)
+        self.table = self._made(rows.TABLE, QTable)
         """The table of the controlled run."""
         self.world: WorldView | None = None
         """The world of the controlled run, None before the first snapshot."""
         self.is_one_lane = self.keeps_focus = False
         self.wanted_layer = Layer.Q  # of worlds and tables
-        self.curve = self._made(CURVE, ReturnCurve)
+        self.curve = self._made(rows.CURVE, ReturnCurve)
         self.curve.begin_with(wanted.recipe)
-        self.timeline = self._made(TIMELINE, TimelineBar)
-        self.caption = self._made(CAPTION, CaptionLine)
-        self.controls = self._made(CONTROLS, Controls)
+        self.timeline = self._made(rows.TIMELINE, TimelineBar)
+        self.caption = self._made(rows.CAPTION, CaptionLine)
+        self.controls = self._made(rows.CONTROLS, Controls)
         self.controls.begin_with(wanted.recipe)
-        self.microscope = self._made(MICROSCOPE, Microscope)
-        self.discount = self._made(DISCOUNT, DiscountPanel)
-        self.model = self._made(MODEL, ModelPanel)
-        self.tools = self._made(DRAW, DrawPanel)
+        self.microscope = self._made(rows.MICROSCOPE, Microscope)
+        self.discount = self._made(rows.DISCOUNT, DiscountPanel)
+        self.model = self._made(rows.MODEL, ModelPanel)
+        self.tools = self._made(rows.DRAW, DrawPanel)
         self._wanted = wanted
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
         self._arrangement = BoardLayout(shape)
-        self.lesson = LessonPlace(self, self._made(LESSON, LessonPanel), self._arrangement)
+        self.lesson = LessonPlace(self, self._made(rows.LESSON, LessonPanel), self._arrangement)
         self._snapshot: Snapshot | None = None
         self._about = NOWHERE  # pairs that the open panel is about
         self._mounting = asyncio.Lock()
@@ -125,14 +110,14 @@ class Board(Container):
         """Draw ``snapshot``, with wanted settings."""
         self._snapshot = snapshot
         if self.world is None:
-            view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
-            self._panels[WORLD] = self.world = view
-            view.caption = self.rows[WORLD].caption
+            view = make_world_view(snapshot.world, self.look, id=rows.WORLD, classes="panel")
+            self._panels[rows.WORLD] = self.world = view
+            view.caption = self.rows[rows.WORLD].caption
             self.apply_switches()
             self.run_worker(self._replace_placeholder(view))
         if snapshot.beside is not None and not self._pair.twins:
             self._pair.make(snapshot, self.rows.values())
-            self._panels |= {beside(row): twin for row, twin in self._pair.twins.items()}
+            self._panels |= {rows.beside(row): twin for row, twin in self._pair.twins.items()}
             self.apply_switches()
             self.run_worker(self._mount_twins())
         # a resumed session announces its runs before they are ready
@@ -152,14 +137,14 @@ class Board(Container):
             self._take_lead(snapshot)
         if snapshot.lesson is not None:
             self.lesson.place(snapshot.lesson, self.screen.size)
-        self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
+        self.table.sources = lit_sources(snapshot) if self.opened == rows.MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
-        self.controls.marks_all_flips = self.opened == DISCOUNT
+        self.controls.marks_all_flips = self.opened == rows.DISCOUNT
         self.timeline.sought = self._wanted.step
         learned, pair = as_learned(snapshot), self._pair.panels if self._pair.is_shown else []
         for panel in self._shown():
             if isinstance(panel, WorldView):
-                panel.names_policies_key = self.opened != POLICIES
+                panel.names_policies_key = self.opened != rows.POLICIES
                 panel.replaces_header = self.caption.replaces_header
             if panel not in pair:
                 panel.show(learned if isinstance(panel, WorldView | QTable) else snapshot)
@@ -178,11 +163,11 @@ class Board(Container):
     def _take_lead(self, snapshot: Snapshot) -> None:
         world, layout = self.world, self._arrangement
         lanes = snapshot.beside is not None and layout.shape.lanes
-        is_pair = lanes and beside(WORLD) in layout.regions(self.screen.size, None)
+        is_pair = lanes and rows.beside(rows.WORLD) in layout.regions(self.screen.size, None)
         if not self._pair.take_lead(snapshot, is_shown=is_pair):
             return
-        self.table = self._made(self._pair.led(TABLE), QTable)
-        self.world = self._made(self._pair.led(WORLD), WorldView)
+        self.table = self._made(self._pair.led(rows.TABLE), QTable)
+        self.world = self._made(self._pair.led(rows.WORLD), WorldView)
         if world is not None and self.world is not None and world is not self.world:
             self.world.take_over(world)
         zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
@@ -238,7 +223,7 @@ class Board(Container):
     def _shown(self) -> Iterator[BoardPanel]:
         shape, opened, pair = self._arrangement.shape, self.opened, self._pair
         for row in self.rows.values():
-            if row.of_program if not shape.is_program else row.id == CONTROLS:
+            if row.of_program if not shape.is_program else row.id == rows.CONTROLS:
                 continue
             if (row.of_lesson and not shape.has_lesson) or (row.of_drawing and not shape.is_drawn):
                 continue
@@ -296,7 +281,7 @@ class Board(Container):
     @property
     def viewport(self) -> Viewport:
         """The visible parts of a large world."""
-        pair = self.model.pair if self.opened == MODEL else None
+        pair = self.model.pair if self.opened == rows.MODEL else None
         return Viewport(self.world.cells if self.world else None, self.table.row_range, pair)
 
     @property
@@ -334,7 +319,7 @@ class Board(Container):
         row = None if focused is None else self._pair.row_of(panel)
         if row is None or panel in regions:
             return
-        for each in (self._pair.led(row), self._pair.led(WORLD)):
+        for each in (self._pair.led(row), self._pair.led(rows.WORLD)):
             if each in regions:
                 self.panel(each).focus()
                 return
@@ -397,7 +382,7 @@ class Board(Container):
         for node in widget.ancestors_with_self if widget else ():
             if node.parent is self and node.id:
                 return node.id
-        return self._pair.led(WORLD)
+        return self._pair.led(rows.WORLD)
 
     @property
     def layout(self) -> Layout:
@@ -406,7 +391,7 @@ class Board(Container):
 
     def _dress(self) -> None:
         regions = self._arrangement.regions(self.screen.size, self.zoomed)
-        self.caption.is_in_view = CAPTION in regions
+        self.caption.is_in_view = rows.CAPTION in regions
         for panel, region in regions.items():
             if panel in self._panels:
                 least = _LEAST_WITH_HEADING.get(panel, 3)
@@ -423,5 +408,5 @@ class Board(Container):
             if not self.is_attached:
                 return
             with self.app.batch_update():
-                await self.query_one(f"#{WORLD}").remove()
+                await self.query_one(f"#{rows.WORLD}").remove()
                 await self.mount(view, before=0)

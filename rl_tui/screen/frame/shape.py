@@ -9,19 +9,7 @@ from typing import Final, NamedTuple
 
 from textual.geometry import Region, Size
 
-from rl_tui.screen.kit.row import (
-    BUDGET,
-    CAPTION,
-    CONTROLS,
-    CURVE,
-    LAST_STEP,
-    LESSON,
-    PROGRAM,
-    TABLE,
-    TIMELINE,
-    WORLD,
-    beside,
-)
+from rl_tui.screen.kit import row
 from rl_tui.screen.panels.margins import LEAST_WITH_TITLES, wanted_margins
 from rl_tui.worlds.drawing import Drawing, Grid
 
@@ -60,13 +48,13 @@ class Shape:
     @property
     def settings(self) -> str:
         """The panel of settings, or of the program."""
-        return PROGRAM if self.is_program else CONTROLS
+        return row.PROGRAM if self.is_program else row.CONTROLS
 
     def at_first(self) -> Shape:
         """Drop panels that are empty at first."""
         pointed = {self.spotlight} if self.spotlight else set()
-        pointed |= {CURVE, TIMELINE} if pointed & {CURVE, TIMELINE} else set()
-        return replace(self, shown=frozenset({WORLD, BUDGET, CONTROLS} | pointed))
+        pointed |= {row.CURVE, row.TIMELINE} if pointed & {row.CURVE, row.TIMELINE} else set()
+        return replace(self, shown=frozenset({row.WORLD, row.BUDGET, row.CONTROLS} | pointed))
 
 
 class SizeClass(IntEnum):
@@ -78,8 +66,8 @@ class SizeClass(IntEnum):
 
 
 SMALL, MEDIUM, ROOMY = SizeClass
-_BELOW_A_PAGE: Final = {TABLE: 5, BUDGET: 4, LAST_STEP: 3, CURVE: 4, CONTROLS: 1}  # rows
-_AT_THE_RIGHT: Final = frozenset({TABLE, LAST_STEP, CONTROLS})
+_BELOW_A_PAGE: Final = {row.TABLE: 5, row.BUDGET: 4, row.LAST_STEP: 3, row.CURVE: 4, row.CONTROLS: 1}  # rows
+_AT_THE_RIGHT: Final = frozenset({row.TABLE, row.LAST_STEP, row.CONTROLS})
 
 
 def size_class(size: Size) -> SizeClass:
@@ -159,7 +147,7 @@ def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False, fil
 # Where panels are put
 
 
-WORLDS: Final = (WORLD, beside(WORLD))
+WORLDS: Final = (row.WORLD, row.beside(row.WORLD))
 """The ids of the worlds, which fill the screen in full screen."""
 
 
@@ -187,12 +175,12 @@ class ScreenPlan:
         self.usable = self.size.width - 2 * self.margin
         self.lanes = self.shape.lanes and self.room is not SMALL
         self.blank = 1 if self.room is ROOMY else 0
-        if CAPTION in (self.shape.shown or ()):
-            self.put_caption(CAPTION)
+        if row.CAPTION in (self.shape.shown or ()):
+            self.put_caption(row.CAPTION)
 
     def shows(self, panel: str) -> bool:
         """Return whether ``panel`` should be in view."""
-        return self.shape.shown is None or {PROGRAM: CONTROLS}.get(panel, panel) in self.shape.shown
+        return self.shape.shown is None or {row.PROGRAM: row.CONTROLS}.get(panel, panel) in self.shape.shown
 
     def put(self, panel: str, region: Region) -> None:
         """Put ``panel``, unless the region is empty."""
@@ -209,9 +197,9 @@ class ScreenPlan:
         if panel in WORLDS:
             return self._big(panel)
         body = Region(self.margin, 1, self.usable, self.foot - 1)
-        if panel in (CURVE, TIMELINE):
-            self.put(CURVE, Region(*body[:3], body.height - 1))
-            self.put(TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))
+        if panel in (row.CURVE, row.TIMELINE):
+            self.put(row.CURVE, Region(*body[:3], body.height - 1))
+            self.put(row.TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))
             return Arrangement(self.regions, Size(0, 0))
         self.put(panel, body)
         return Arrangement(self.regions, Size(0, 0))
@@ -222,16 +210,16 @@ class ScreenPlan:
         rows = _BELOW_A_PAGE.get(panel or "", 0) if self.room is MEDIUM else 0
         if panel is not None and rows and self.shows(panel):
             self.foot -= rows
-            panel = self.shape.settings if panel == CONTROLS else panel
+            panel = self.shape.settings if panel == row.CONTROLS else panel
             self.put(panel, Region(self.margin, self.foot, self.usable, rows))
-        self.put(LESSON, Region(self.margin, 1, self.usable, self.foot - 1))
+        self.put(row.LESSON, Region(self.margin, 1, self.usable, self.foot - 1))
         return Arrangement(self.regions, Size(0, 0))
 
     def _big(self, world: str) -> Arrangement:
-        self.put_caption(LESSON if self.shape.has_lesson else CAPTION)
+        self.put_caption(row.LESSON if self.shape.has_lesson else row.CAPTION)
         self.foot -= 1
-        if self.shows(CURVE):
-            self.put(CURVE, Region(self.margin, self.foot, self.usable, 1))
+        if self.shows(row.CURVE):
+            self.put(row.CURVE, Region(self.margin, self.foot, self.usable, 1))
         drawing, cell, high = self.shape.drawing, Size(0, 0), self.foot
         left, top = 0, int(self.room is ROOMY)
         if isinstance(drawing, Grid):
