@@ -17,19 +17,7 @@ from rl_tui.screen.kit.numbers_in_common import all_q
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import is_new_run, is_secret
-from rl_tui.screen.panels.arm_bars import (
-    NO_SCALE,
-    Arm,
-    ArmsScale,
-    bound_text,
-    draw_arms,
-    grown,
-    names_width,
-    rows_an_arm,
-    shown_scale,
-    true_mean_glyph,
-    value_width,
-)
+from rl_tui.screen.panels import arm_bars
 from rl_tui.screen.panels.world.shown_policy import drawn_pairs
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
@@ -43,7 +31,7 @@ HEADING: Final = "Arms · Q ± standard error"
 class ArmsView(WorldView):
     """The arms from top to bottom."""
 
-    scale = NO_SCALE
+    scale = arm_bars.NO_SCALE
     _top = 0
     _shown = _each = 1
 
@@ -62,7 +50,7 @@ class ArmsView(WorldView):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only widens during a run."""
         if is_new_run(self.snapshot, snapshot):
-            self.scale = NO_SCALE
+            self.scale = arm_bars.NO_SCALE
             self.number_forms.clear()
         super().show(snapshot)
 
@@ -78,9 +66,9 @@ class ArmsView(WorldView):
             )
             for pair, arm in enumerate(arms_of(self._mdp, snapshot, means))
         )
-        self.scale = grown(self.scale, [value for arm in arms for value in arm.extent()])
-        scale = shown_scale(self.scale)
-        each = rows_an_arm(len(arms), height)
+        self.scale = arm_bars.grown(self.scale, [value for arm in arms for value in arm.extent()])
+        scale = arm_bars.shown_scale(self.scale)
+        each = arm_bars.rows_an_arm(len(arms), height)
         shown = min(len(arms), max(1, height // each))
         self._top = max(0, min(self._top, len(arms) - shown))
         self._shown, self._each = shown, each
@@ -89,18 +77,18 @@ class ArmsView(WorldView):
         if len(arms) * each >= height:  # no row left for the axis
             parts.append(self._ends(scale))
         self.footing = self.fitting(("  ".join(parts[:count]) for count in range(len(parts), 0, -1)), width)
-        names = names_width(arms, self.look)
-        form = self.number_forms.form("estimates", all_q(snapshot), value_width(width, names))
+        names = arm_bars.names_width(arms, self.look)
+        form = self.number_forms.form("estimates", all_q(snapshot), arm_bars.value_width(width, names))
         in_view = arms[self._top : self._top + shown]
         canvas = Canvas(width, height, self.look.palette.text)
-        draw_arms(canvas, in_view, scale, self.look, each, names, form)
+        arm_bars.draw_arms(canvas, in_view, scale, self.look, each, names, form)
         return canvas.strips()
 
     def signs(self) -> Legend:
         """List the signs."""
         palette, glyphs = self.look.palette, self.look.glyphs
         truth = (
-            LegendSign(true_mean_glyph(self.look), "true mean", palette.strong),
+            LegendSign(arm_bars.true_mean_glyph(self.look), "true mean", palette.strong),
             LegendSign(glyphs.best_arm, "best arm", palette.strong),
         )
         return (
@@ -121,7 +109,7 @@ class ArmsView(WorldView):
         super().align_with(twin)
         if isinstance(twin, ArmsView):
             self._top = twin._top if self.takes_stance_of(twin) else self._top
-            self.scale = grown(self.scale, twin.scale)
+            self.scale = arm_bars.grown(self.scale, twin.scale)
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
         """Return the arm's place after an edit."""
@@ -182,8 +170,8 @@ class ArmsView(WorldView):
         """Go back to the first arm."""
         self._top = 0
 
-    def _ends(self, scale: ArmsScale) -> str:
-        low, high = (bound_text(end, self.look.glyphs) for end in scale)
+    def _ends(self, scale: arm_bars.ArmsScale) -> str:
+        low, high = (arm_bars.bound_text(end, self.look.glyphs) for end in scale)
         return f"{low}…{'+' if scale.high > 0.0 else ''}{high}"
 
 
@@ -221,7 +209,7 @@ def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
     return noise * math.sqrt(step_size / (2.0 - step_size) * (1.0 - (1.0 - step_size) ** (2 * pulls)))
 
 
-def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[Arm, ...]:
+def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[arm_bars.Arm, ...]:
     """Collect the known facts about each arm."""
     q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
     noise, values = noise_of_rewards(mdp, snapshot.agent.q), snapshot.agent.hyperparameters
@@ -231,7 +219,7 @@ def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tu
     last = None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair
     best_mean = float(means.max()) if means is not None else None
     return tuple(
-        Arm(
+        arm_bars.Arm(
             name=mdp.action_names[int(mdp.pair_action[pair])],
             estimate=q[pair],
             error=standard_error(float(noise[pair]), visits[pair], alpha) if visits[pair] else None,

@@ -9,21 +9,10 @@ from rich.style import Style
 
 from rl_tui.screen.draw.block_signs import Direction, Sign, SignName, block_number, block_sign, sign_size
 from rl_tui.screen.draw.canvas import Canvas, Drawn
+from rl_tui.screen.panels.grid import marks
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import HATCH, PLAIN, CellExtra, Wall
-from rl_tui.screen.panels.grid.marks import (
-    MOST_LEAD,
-    SEVERAL,
-    START,
-    CellReward,
-    differing_style,
-    mark_of,
-    one_way_sign,
-    put_reward,
-    reward_text,
-    sign_text,
-)
 from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way, trace_colour
 from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.panels.world.shown_policy import off_way_style
@@ -56,8 +45,8 @@ class Face(NamedTuple):
     text: str | None
     greedy: tuple[Sign, ...]
     style: Style
-    lead: int = MOST_LEAD
-    reward: CellReward | None = None
+    lead: int = marks.MOST_LEAD
+    reward: marks.CellReward | None = None
     stops: bool = False
     cursor: bool = False
     differs: bool = False
@@ -223,7 +212,7 @@ class _Cell:
             return off_way_style(self.ink, self.look)
         if self.extra.has_turned:
             return self.ink + self.look.palette.you + _BOLD
-        return paled(self.ink + _BOLD, self.face.lead / MOST_LEAD)
+        return paled(self.ink + _BOLD, self.face.lead / marks.MOST_LEAD)
 
     def _draw_sign(self) -> None:
         form, face, canvas = self.form, self.face, self.canvas
@@ -270,7 +259,7 @@ class _Cell:
         if top < 0 or middle + 2 >= form.inner or len(ways) < len(self.face.greedy):
             return False
         for down, right in ways:
-            text = sign_text((down, right), self.look)
+            text = marks.sign_text((down, right), self.look)
             self.canvas.put(middle + 2 * right, top + 1 + down, text, self._sign_ink)
         return True
 
@@ -296,8 +285,8 @@ class _Cell:
         self.canvas.put(max(0, left), row, text, ink)
 
     def _letters(self, most: int, room: int) -> str:
-        text = "".join(sign_text(each, self.look) for each in self.face.greedy)
-        return text if len(text) <= (most if len(self.face.greedy) > 1 else max(1, room)) else SEVERAL
+        text = "".join(marks.sign_text(each, self.look) for each in self.face.greedy)
+        return text if len(text) <= (most if len(self.face.greedy) > 1 else max(1, room)) else marks.SEVERAL
 
     @property
     def _text(self) -> str:
@@ -344,13 +333,15 @@ class _Cell:
         if is_free:
             self.canvas.put(0, 0, self.glyphs.differs, self.ink)
         ink = paled(self.ink, 0.3) if is_dot else self._sign_ink
-        self.canvas.put(start, 0, letters, differing_style(ink) if face.differs and not is_free else ink)
+        self.canvas.put(
+            start, 0, letters, marks.differing_style(ink) if face.differs and not is_free else ink
+        )
 
     # Marks
 
     @property
     def _mark(self) -> str:
-        return mark_of(self.face.kind, self.face.agent, self.extra.way, self.look)
+        return marks.mark_of(self.face.kind, self.face.agent, self.extra.way, self.look)
 
     def _put_mark(self, x: int) -> None:
         palette, canvas, face = self.look.palette, self.canvas, self.face
@@ -364,7 +355,7 @@ class _Cell:
         elif edit is not None:
             canvas.put(x, 0, *edit)
         else:
-            put_reward(canvas, x, 0, 1, face.reward, self.look)
+            marks.put_reward(canvas, x, 0, 1, face.reward, self.look)
 
     def _put_marks(self) -> None:
         form, canvas, face, inner = self.form, self.canvas, self.face, self.form.inner
@@ -373,7 +364,7 @@ class _Cell:
                 self._put_letters(max(1, (form.width - 1) // 2), "")
             start = form.width - len(self.name)
             if self.name and (canvas.is_blank(start, 0, len(self.name)) or not self.extra.is_reached):
-                style = differing_style(self.ink) if face.differs and not face.greedy else self.ink
+                style = marks.differing_style(self.ink) if face.differs and not face.greedy else self.ink
                 canvas.put(start, 0, self.name, style)
             put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
             return
@@ -384,10 +375,10 @@ class _Cell:
         if face.stops:
             canvas.put(inner - 1, 0, self.glyphs.breakpoint, self.look.palette.breakpoint)
         room = next((x for x in range(left, inner) if not canvas.is_blank(x, 0, 1)), inner) - left
-        put_reward(canvas, left, 0, room, face.reward, self.look)
+        marks.put_reward(canvas, left, 0, room, face.reward, self.look)
         if self.extra.way is None and face.kind is CellKind.START:
             self._put_start(left)
-        if canvas.at(inner - 1, 0) != START:
+        if canvas.at(inner - 1, 0) != marks.START:
             put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
         if self.extra.way is not None:
             self._put_one_way(self.extra.way)
@@ -407,7 +398,7 @@ class _Cell:
         free = ((before_trail, 0, -1), (left, 0, 1), (last, form.value_row, -1), (last, 0, -1), (0, 0, 0))
         for x, y, beside in free if form.width < _LEAST_APART else free[:-1]:
             if canvas.is_blank(min(x, x + beside), y, 1 + abs(beside)):
-                canvas.put(x, y, START, style)
+                canvas.put(x, y, marks.START, style)
                 return
 
     def _put_one_way(self, way: Direction) -> None:
@@ -416,7 +407,7 @@ class _Cell:
         x = middle if down else (self.form.inner - 1 if right > 0 else 0)
         y = (self.form.height - 1 if down > 0 else 0) if down else self.form.height // 2
         if self.canvas.is_blank(x, y, 1):
-            self.canvas.put(x, y, one_way_sign(way, self.look), self.ink + _BOLD)
+            self.canvas.put(x, y, marks.one_way_sign(way, self.look), self.ink + _BOLD)
 
     def _put_differing(self, left: int) -> None:
         last, bottom = self.form.inner - 1, self.form.height - 1
@@ -452,10 +443,10 @@ class _Cell:
     def _draw_draft(self, draft: DraftCell) -> None:
         face, form, look = self.face, self.form, self.look
         palette = look.palette
-        ways = "".join(sign_text(each, look) for each in draft.ways)
-        label = self._mark + (self._end_sign or (ways if len(ways) < form.width else SEVERAL))
-        pays = CellReward(draft.pays, draft.pays > 0.0) if draft.pays else None
-        reward = "" if pays is None else reward_text(pays, form.width, look)
+        ways = "".join(marks.sign_text(each, look) for each in draft.ways)
+        label = self._mark + (self._end_sign or (ways if len(ways) < form.width else marks.SEVERAL))
+        pays = marks.CellReward(draft.pays, draft.pays > 0.0) if draft.pays else None
+        reward = "" if pays is None else marks.reward_text(pays, form.width, look)
         row, is_wall = (form.height - 1) // 2, face.kind is CellKind.WALL
         style = palette.text if face.kind in _ALIVE else self.ink
         draw_draft_cell(self.canvas, label, reward, style, look, is_wall=is_wall, row=row)

@@ -12,17 +12,7 @@ from rich.style import Style
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
-from rl_tui.screen.kit.layers import (
-    EXACT_LAYERS,
-    Exact,
-    Layer,
-    exact_q,
-    hides_exact,
-    other_lane,
-    shown_exact,
-    veiled,
-    veils_exact,
-)
+from rl_tui.screen.kit import layers
 from rl_tui.screen.kit.numbers_in_common import ends, finite, lanes_in_view
 from rl_tui.screen.kit.snapshot_facts import followed_step, has_estimates, studied_answer
 from rl_tui.screen.kit.value_scale import Ramp, ValueScale
@@ -30,10 +20,10 @@ from rl_tui.screen.panels.policies.studied import shown_actions
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FloatArray
 
-LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)  # layers without learned numbers
+LEARNED_NOT: Final = (layers.Layer.OPTIMAL, layers.Layer.POLICY)  # layers without learned numbers
 
 
-def policy_q(snapshot: Snapshot) -> Exact | None:
+def policy_q(snapshot: Snapshot) -> layers.Exact | None:
     """Return Q and likeliest pairs of the studied policy, [P] each."""
     answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.q is None or answer.policy is None:
@@ -43,33 +33,33 @@ def policy_q(snapshot: Snapshot) -> Exact | None:
     return answer.q, shown_actions(snapshot, kind, answer.policy)
 
 
-def lacks_values(snapshot: Snapshot, layer: Layer) -> bool:
+def lacks_values(snapshot: Snapshot, layer: layers.Layer) -> bool:
     """Return whether values are missing because a policy may never end."""
-    known = policy_q(snapshot) if layer is Layer.POLICY else None
+    known = policy_q(snapshot) if layer is layers.Layer.POLICY else None
     return known is not None and bool(np.isnan(known[0]).any())
 
 
-def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
+def exact_of(snapshot: Snapshot, layer: layers.Layer) -> layers.Exact | None:
     """Return exact numbers and framed pairs."""
-    if layer is Layer.POLICY:
+    if layer is layers.Layer.POLICY:
         return policy_q(snapshot)
-    if layer is Layer.OPTIMAL:
-        return shown_exact(snapshot)
-    return exact_q(snapshot) if layer is Layer.ERROR else None
+    if layer is layers.Layer.OPTIMAL:
+        return layers.shown_exact(snapshot)
+    return layers.exact_q(snapshot) if layer is layers.Layer.ERROR else None
 
 
-def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
+def layer_choices(snapshot: Snapshot | None) -> tuple[layers.Layer, ...]:
     """Return the available layers."""
-    missing = {Layer.LANDSCAPE}
-    if snapshot is None or other_lane(snapshot) is None:
-        missing.add(Layer.LANES)
+    missing = {layers.Layer.LANDSCAPE}
+    if snapshot is None or layers.other_lane(snapshot) is None:
+        missing.add(layers.Layer.LANES)
     if snapshot is None or policy_q(snapshot) is None:
-        missing.add(Layer.POLICY)
-    if snapshot is not None and hides_exact(snapshot):
-        missing.update(EXACT_LAYERS if not veils_exact(snapshot) else (Layer.ERROR,))
+        missing.add(layers.Layer.POLICY)
+    if snapshot is not None and layers.hides_exact(snapshot):
+        missing.update(layers.EXACT_LAYERS if not layers.veils_exact(snapshot) else (layers.Layer.ERROR,))
     if snapshot is not None and not has_estimates(snapshot):
-        missing.update((Layer.ERROR, Layer.LANES))
-    return tuple(layer for layer in Layer if layer not in missing)
+        missing.update((layers.Layer.ERROR, layers.Layer.LANES))
+    return tuple(layer for layer in layers.Layer if layer not in missing)
 
 
 class Lit(NamedTuple):
@@ -95,9 +85,9 @@ class Figures:
     def __init__(
         self,
         snapshot: Snapshot,
-        layer: Layer,
+        layer: layers.Layer,
         look: Look,
-        exact: Exact | None,
+        exact: layers.Exact | None,
         forms: SteadyForms,
         scale: ValueScale,
         lit: Lit | None = None,
@@ -114,10 +104,10 @@ class Figures:
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
         window = snapshot.agent.part if is_learned else None
         self._held = None if window is None else window.held  # of a large world: known numbers
-        self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
+        self._is_unknown = layer is layers.Layer.Q and not has_estimates(snapshot)
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
-        self._scale = ValueScale(self.low, self.high, Ramp.ERRORS) if layer is Layer.LANES else scale
+        self._scale = ValueScale(self.low, self.high, Ramp.ERRORS) if layer is layers.Layer.LANES else scale
         self._total_visits: int | None = None
         self._steady = forms
         self._forms: dict[int, NumberForm] = {}
@@ -128,19 +118,19 @@ class Figures:
             return ""
         x = self._values[pair].item()
         glyphs = self._look.glyphs
-        if self.layer is Layer.OPTIMAL and math.isnan(x):
-            return veiled(glyphs)
-        if self._is_unknown or (x == 0 and self._is_new(pair) and self.layer is not Layer.ERROR):
+        if self.layer is layers.Layer.OPTIMAL and math.isnan(x):
+            return layers.veiled(glyphs)
+        if self._is_unknown or (x == 0 and self._is_new(pair) and self.layer is not layers.Layer.ERROR):
             return "." if glyphs.name == "ascii" else "·"
-        if self.layer is Layer.VISITS:
+        if self.layer is layers.Layer.VISITS:
             return numbers.count(int(x), width)
-        if self.layer is Layer.POLICY and math.isnan(x):  # unlike a diverged estimate
+        if self.layer is layers.Layer.POLICY and math.isnan(x):  # unlike a diverged estimate
             return numbers.missing(glyphs)
         return self._form(width).text(x, glyphs)
 
     def cells(self, width: int) -> int:
         """Return the longest number's width."""
-        if self.layer is Layer.VISITS:
+        if self.layer is layers.Layer.VISITS:
             return len(numbers.count(int(self.high), width))
         return self._form(width).cells
 
@@ -186,14 +176,14 @@ class Figures:
         return greedy if len(greedy) < len(pairs) else ()
 
     def _is_new(self, pair: int) -> bool:
-        if self.layer is Layer.LANES and self._values[pair]:  # the other run has been there
+        if self.layer is layers.Layer.LANES and self._values[pair]:  # the other run has been there
             return False
         return self.layer not in LEARNED_NOT and not self._visits[pair]
 
     def _tint(self, x: float) -> Style:
         palette = self._look.palette
         if math.isnan(x) and self.layer in LEARNED_NOT:
-            return palette.text if self.layer is Layer.POLICY else palette.unvisited
+            return palette.text if self.layer is layers.Layer.POLICY else palette.unvisited
         return self._scale.style(x, palette) if math.isfinite(x) else palette.bad
 
     def _form(self, width: int) -> NumberForm:
@@ -208,27 +198,27 @@ class Figures:
 
 
 def _values(
-    snapshot: Snapshot, layer: Layer, exact: Exact | None
+    snapshot: Snapshot, layer: layers.Layer, exact: layers.Exact | None
 ) -> npt.NDArray[np.float64] | npt.NDArray[np.int64]:
-    if layer is Layer.VISITS:
+    if layer is layers.Layer.VISITS:
         return snapshot.agent.visits
-    if layer is Layer.Q:
+    if layer is layers.Layer.Q:
         return snapshot.agent.q
-    if layer is Layer.LANES:
-        other = other_lane(snapshot)
+    if layer is layers.Layer.LANES:
+        other = layers.other_lane(snapshot)
         return np.zeros(len(snapshot.agent.q)) if other is None else np.asarray(snapshot.agent.q - other.q)
     if exact is None:
         raise ValueError(f"the layer {layer} needs the exact values")
     return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
 
 
-def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:
+def _numbers(snapshot: Snapshot, layer: layers.Layer, exact: layers.Exact | None) -> FloatArray:
     found: list[npt.NDArray[np.float64] | npt.NDArray[np.int64]] = []
     for lane in lanes_in_view(snapshot):
         known = exact if lane is snapshot else exact_of(lane, layer)
-        if layer is Layer.LANES and lane is not snapshot:
+        if layer is layers.Layer.LANES and lane is not snapshot:
             found.append(-found[0])
-        elif known is not None or layer not in (*EXACT_LAYERS, Layer.POLICY):
+        elif known is not None or layer not in (*layers.EXACT_LAYERS, layers.Layer.POLICY):
             part = None if layer in LEARNED_NOT else lane.agent.part
             values = _values(lane, layer, known)
             found.append(values if part is None else values[part.pairs])

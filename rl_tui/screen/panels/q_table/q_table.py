@@ -37,6 +37,7 @@ from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run
 from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.landscape import has_landscape
 from rl_tui.screen.panels.policies.studied import as_studied
+from rl_tui.screen.panels.q_table import sheet as sheets
 from rl_tui.screen.panels.q_table.forms import list_form, matrix_form
 from rl_tui.screen.panels.q_table.layers import (
     LEARNED_NOT,
@@ -45,19 +46,6 @@ from rl_tui.screen.panels.q_table.layers import (
     lacks_values,
     layer_choices,
     lit_pair,
-)
-from rl_tui.screen.panels.q_table.sheet import (
-    TITLES,
-    Form,
-    Sheet,
-    followed,
-    footing_pieces,
-    footings,
-    headings,
-    key_column,
-    layer_at,
-    no_answer,
-    rare_signs,
 )
 from rl_tui.screen.panels.q_table.world import NO_ROW, Scene, TableWorld, state_followed
 from rl_tui.screen.panels.world.edit_marks import mark_signs
@@ -111,7 +99,7 @@ class QTable(Panel, can_focus=True):
         self._first = 0
         self._height = 0  # of the last picture
         self._world: TableWorld | None = None
-        self._sheet: Sheet | None = None
+        self._sheet: sheets.Sheet | None = None
         self._rare: Legend = ()
         self._cache = LRUCache[tuple[Segment, ...], Strip](_MOST_CACHED)
         self._requested: RowRange | None = None
@@ -185,14 +173,14 @@ class QTable(Panel, can_focus=True):
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         layer = self.shown_layer
         if layer in EXACT_LAYERS and shown_exact(snapshot) is None:
-            self.heading = TITLES[layer]
+            self.heading = sheets.TITLES[layer]
             self.footing = self._footing(width)
-            return strips_of(no_answer(snapshot, width, self.look), width, height, self.look)
+            return strips_of(sheets.no_answer(snapshot, width, self.look), width, height, self.look)
         form, scene = self._form(snapshot, width, height)
         if self._following and height != self._height and not self.is_led:
             self._first = 0  # discard the scroll position of an unfinished layout
         self._height = height
-        self._sheet = sheet = Sheet(form, scene, width, height)
+        self._sheet = sheet = sheets.Sheet(form, scene, width, height)
         if self.pointed:
             sheet.scroll_to(self._first, self.pointed.start)
         else:
@@ -202,10 +190,10 @@ class QTable(Panel, can_focus=True):
                 sheet.reach(snapshot.counters.last_step.updated_pair, state_followed(snapshot))
         self._first = sheet.first
         self.free_rows = sheet.free_rows
-        self.heading = self.fitting(headings(snapshot, layer, self, self.lane), width)
+        self.heading = self.fitting(sheets.headings(snapshot, layer, self, self.lane), width)
         self.footing = self._footing(width, sheet.part if sheet.is_scrolled and not self.pointed else "")
         strips = sheet.strips(self._cache)
-        self._rare = rare_signs(strips, self.look)
+        self._rare = sheets.rare_signs(strips, self.look)
         return strips
 
     def legend(self, snapshot: Snapshot) -> Legend:
@@ -259,7 +247,7 @@ class QTable(Panel, can_focus=True):
     def foot_pieces(self, foot: str, look: Look) -> tuple[Segment, ...]:
         """Style signs, keys and the layer."""
         signs = () if self.snapshot is None else self.legend(self.snapshot)
-        return footing_pieces(foot, self._named_layer, self.layer_choices, signs, look)
+        return sheets.footing_pieces(foot, self._named_layer, self.layer_choices, signs, look)
 
     @property
     def _named_layer(self) -> Layer:
@@ -268,11 +256,11 @@ class QTable(Panel, can_focus=True):
     def on_click(self, event: events.Click) -> None:
         """Move the cursor, or choose a layer."""
         if (column := self.footing_column(event)) is not None:
-            layer = layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
+            layer = sheets.layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
             if layer is not None:
                 event.prevent_default()
                 self.call_later(self.run_action, f"screen.do('board.show_layer(\"{layer}\")')")
-            elif column == key_column(self.footing):
+            elif column == sheets.key_column(self.footing):
                 self.app.simulate_key("v")
         offset = event.get_content_offset(self)
         pair = None if offset is None else self.pair_at(*offset)
@@ -365,7 +353,7 @@ class QTable(Panel, can_focus=True):
             known = self._world = TableWorld(snapshot.world, glyphs)
         return known
 
-    def _form(self, snapshot: Snapshot, width: int, height: int) -> tuple[Form, Scene]:
+    def _form(self, snapshot: Snapshot, width: int, height: int) -> tuple[sheets.Form, Scene]:
         if not self._world_of(snapshot).is_sparse:
             scene = self._scene(snapshot, (self.shown_layer,))
             matrix = matrix_form(scene, width, height - 1)
@@ -402,7 +390,7 @@ class QTable(Panel, can_focus=True):
 
     def _footing(self, width: int, part: str = "") -> str:
         is_hidden = self.snapshot is not None and veils_exact(self.snapshot)
-        forms = footings(self._named_layer, self.layer_choices, hides_exact=is_hidden)
+        forms = sheets.footings(self._named_layer, self.layer_choices, hides_exact=is_hidden)
         if part:
-            forms = followed(forms, part, is_following=self._following)
+            forms = sheets.followed(forms, part, is_following=self._following)
         return self.fitting(forms, width)
