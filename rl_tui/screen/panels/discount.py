@@ -25,15 +25,7 @@ from rl_tui.screen.kit.blocks import Text
 from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, key_hints, legend_rows
 from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.kit.snapshot_facts import answer_key, is_secret, passes_too_fast
-from rl_tui.screen.panels.discount_chart import (
-    LEAST_HEIGHT,
-    action_lines,
-    best_two,
-    draw_values,
-    flip_sign,
-    flip_style,
-    ranked,
-)
+from rl_tui.screen.panels import discount_chart
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -117,11 +109,11 @@ def flip_lines(
     """Describe one flip, changes in ``state`` first."""
     palette, glyphs = look.palette, look.glyphs
     is_here = any(turn.state == state for turn in flip.turns)
-    signs = flip_sign(flip, look) + (glyphs.change_mark if is_here else " ")
+    signs = discount_chart.flip_sign(flip, look) + (glyphs.change_mark if is_here else " ")
     style = palette.focus if is_chosen else palette.strong if is_here or flip.turns_the_way else palette.text
     lines: list[Line] = [
         [
-            Piece(f" {signs}", flip_style(flip, look)),
+            Piece(f" {signs}", discount_chart.flip_style(flip, look)),
             Piece(form.gamma(flip, look), style),
             Piece(f"{_GAP}{form.returns(flip, look)}", palette.text),
         ]
@@ -313,15 +305,17 @@ class DiscountPanel(Panel, can_focus=True):
             head = ()
         room = max(0, height - len(head))
         most = room - explained - highest
-        least = min(_CHART_ROWS, max(LEAST_HEIGHT, min(_FEW_ROWS, room - _LIST_ROWS), most))
+        least = min(_CHART_ROWS, max(discount_chart.LEAST_HEIGHT, min(_FEW_ROWS, room - _LIST_ROWS), most))
         needed = sum(map(len, blocks)) + explained
         rows = min(room, max(least, room - needed, min(most, round(_CHART_SHARE * room))))
         gamma = snapshot.agent.hyperparameters.gamma
-        lines = action_lines(snapshot.world, answer.curves, state, look)
-        lines = ranked(lines) if self._is_ranked else best_two(lines, look)
-        chart = draw_values(lines, answer.curves.gamma, answer.flips, state, gamma, chosen, look, width, rows)
+        lines = discount_chart.action_lines(snapshot.world, answer.curves, state, look)
+        lines = discount_chart.ranked(lines) if self._is_ranked else discount_chart.best_two(lines, look)
+        chart = discount_chart.draw_values(
+            lines, answer.curves.gamma, answer.flips, state, gamma, chosen, look, width, rows
+        )
         strips, room = [*strips_of(head, width, len(head), look), *chart][:height], room - rows
-        if rows < LEAST_HEIGHT:
+        if rows < discount_chart.LEAST_HEIGHT:
             return _Drawn(strips, 0, "")
         if not blocks:
             return _Drawn([*strips, *strips_of((), width, room, look)], room, "")

@@ -17,19 +17,12 @@ from rl_tui.runs.bandit import true_means
 from rl_tui.runs.history import RECENT
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
+from rl_tui.screen.kit import snapshot_facts
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
 from rl_tui.screen.kit.charts import SeedMarks
 from rl_tui.screen.kit.panel import key_hints
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
-from rl_tui.screen.kit.snapshot_facts import (
-    episodes_reached,
-    hides_greedy,
-    hides_means,
-    keeps_back,
-    recent_name,
-    shown_lane,
-)
 from rl_tui.screen.panels.seed_figures import (
     GREEDY,
     INTERVAL_ERRORS,
@@ -69,7 +62,7 @@ def remarks(
 
 def how_typical(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
     """Return this seed's distance from the mean, of one figure, in standard deviations."""
-    run, last_100 = study.lanes[shown_lane(study, snapshot)], last_100_of(study)
+    run, last_100 = study.lanes[snapshot_facts.shown_lane(study, snapshot)], last_100_of(study)
     for figure in (last_100, WINNINGS) if secret else (REGRET, last_100, WINNINGS):
         found = deviation(figure, run)
         if found is None:
@@ -89,7 +82,7 @@ def _luck(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
     mdp, recent = snapshot.world.mdp, snapshot.results.return_last_100
     if recent is None or mdp is None or not snapshot.world.is_bandit:
         return ""
-    pulls = recent_name(snapshot.counters.episodes)
+    pulls = snapshot_facts.recent_name(snapshot.counters.episodes)
     if secret:
         return f"{pulls}: {_noise(snapshot, glyphs)}, so it can be above the best arm's mean"
     best = float(true_means(mdp).max())
@@ -164,7 +157,7 @@ def seed_table(
                 explains = False
         if figure is not figures[-1] and (charts or not is_alone):
             said.append(BLANK)
-    heads = _heads(until_of(study, episodes_reached(snapshot)))
+    heads = _heads(until_of(study, snapshot_facts.episodes_reached(snapshot)))
 
     def forms() -> Iterator[Columns]:
         # figures are named in full only below the longest heads, and names of runs are shortened last
@@ -205,7 +198,7 @@ def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Lo
     names = [lane.name for lane in snapshot.run_group.lanes]
     if len(names) != len(study.lanes) or study.is_outdated:
         names = [""] * len(study.lanes)
-    shown, styles = shown_lane(study, snapshot), look.palette.lanes
+    shown, styles = snapshot_facts.shown_lane(study, snapshot), look.palette.lanes
     lanes = [
         Piece(
             f"{look.glyphs.cursor if number == shown else ' '}{number + 1} {name}",
@@ -305,7 +298,7 @@ class ManySeeds(ScrolledPanel):
         yield from _how_far(study, snapshot, look)
         if not study.lanes or not study.seeds:
             return
-        secret, gap = hides_greedy(snapshot), (BLANK,) if left_out < 2 else ()
+        secret, gap = snapshot_facts.hides_greedy(snapshot), (BLANK,) if left_out < 2 else ()
         if not study.is_outdated:
             typical = how_typical(study, snapshot, look.glyphs, secret=secret)
             yield Text(typical, look.palette.strong, rest="   ")
@@ -313,7 +306,7 @@ class ManySeeds(ScrolledPanel):
         figures = shown_figures(study, secret=secret)
         charted = (len(figures), 1, 0)[left_out]
         yield seed_table(study, snapshot, figures, look, charted)
-        if hides_means(snapshot) and not keeps_back(snapshot, "answer"):
+        if snapshot_facts.hides_means(snapshot) and not snapshot_facts.keeps_back(snapshot, "answer"):
             yield Text("w h shows regret and best arm", look.palette.dim, rest="   ")
         yield from gap
         yield from remarks(study, snapshot, look, secret=secret, has_marks=charted > 0)

@@ -28,16 +28,7 @@ from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast, studied_answer
-from rl_tui.screen.panels.curve.area import (
-    FULL,
-    area_of,
-    area_styles,
-    band_cells,
-    band_styles,
-    middle_half,
-    pixel_styles,
-    says_something,
-)
+from rl_tui.screen.panels.curve import area as areas
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, is_over, unit_of
 from rl_tui.screen.panels.curve.seed_band import lane_cells, seed_cells, seed_remark, with_room_for
 from rl_tui.screen.panels.curve.text import (
@@ -123,9 +114,9 @@ def _draw_numbers(canvas: Canvas, plot: Plot, look: Look) -> None:
 
 
 def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_band: bool) -> None:
-    area, palette = area_of(plot, data.mean), look.palette
+    area, palette = areas.area_of(plot, data.mean), look.palette
     if has_band:
-        codes, pixels = band_cells(plot, middle_half(plot, data.curve, data.mean), data.mean)
+        codes, pixels = areas.band_cells(plot, areas.middle_half(plot, data.curve, data.mean), data.mean)
         kind = np.where(codes > 0, _CELLS + pixels, _NOTHING)
     else:
         codes = np.array([ord(each) for each in look.glyphs.eighths])[area.eighths]
@@ -141,11 +132,13 @@ def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_b
         _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
     if has_band:
         ground = pixels % 4
-        bands = ([each] * 4 for each in band_styles(palette))
-        styles = [*_styles(data, palette, pixel_styles(palette)), *bands]
+        bands = ([each] * 4 for each in areas.band_styles(palette))
+        styles = [*_styles(data, palette, areas.pixel_styles(palette)), *bands]
     else:
-        shades = area_styles(palette, plot.rows) if look.glyphs.braille else (palette.episodes,) * plot.rows
-        is_covered = (kind == _CELLS) | ((area.eighths == FULL) & look.glyphs.braille)
+        shades = (
+            areas.area_styles(palette, plot.rows) if look.glyphs.braille else (palette.episodes,) * plot.rows
+        )
+        is_covered = (kind == _CELLS) | ((area.eighths == areas.FULL) & look.glyphs.braille)
         ground = is_covered * np.arange(1, plot.rows + 1)[:, None]
         styles = [*_styles(data, palette, shades), [palette.episodes, *shades]]
     _put_cells(canvas, plot, codes, kind, ground, styles)
@@ -291,7 +284,7 @@ def spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str
     if columns < 1 or not len(data.mean.means):
         return [Piece(words, look.palette.dim)]
     marks = look.glyphs.eighths
-    area = area_of(Plot(0, columns, 1, data.mean.finished, scale), data.mean)
+    area = areas.area_of(Plot(0, columns, 1, data.mean.finished, scale), data.mean)
     signs = "".join(marks[max(1, each)] for each in area.eighths[0].tolist())
     return [Piece(signs, look.palette.episodes), Piece(f"  {words}", look.palette.dim)]
 
@@ -370,7 +363,7 @@ class ReturnCurve(Panel, can_focus=True):
         if self._band[0] != key or not _runs(snapshot):
             is_plain = data.lanes or data.seeds or data.is_bandit or not data.furthest
             is_plain = is_plain or data.is_of_steps or data.is_of_errors
-            has_band = not is_plain and says_something(plot, data.curve, data.mean, self.look)
+            has_band = not is_plain and areas.says_something(plot, data.curve, data.mean, self.look)
             self._band = key, has_band
         drawn = replace(data, greedy=plot.stepped(data.greedy))
         self.heading = self._headed(snapshot, data, drawn, plot, columns, width)

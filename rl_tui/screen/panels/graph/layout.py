@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 
 from rich.cells import cell_len
 
+from rl_tui.screen.panels.graph import routing
 from rl_tui.screen.panels.graph.labels import (
     EdgeLabel,
     LineOf,
@@ -18,20 +19,6 @@ from rl_tui.screen.panels.graph.labels import (
     WantedLabel,
     place_labels,
     runs_of,
-)
-from rl_tui.screen.panels.graph.routing import (
-    DOWN,
-    HORIZONTAL,
-    LEFT,
-    RIGHT,
-    UP,
-    Box,
-    Cell,
-    Port,
-    Route,
-    RoutingSheet,
-    reverse,
-    route,
 )
 from rl_tui.screen.panels.graph.shape import GraphAction, GraphBranch, GraphShape
 
@@ -49,7 +36,7 @@ _MOST_GAP: Final = 20
 _LEAST_ROWS: Final = 1
 _MOST_ROWS: Final = 6
 
-Places = tuple[Box, ...]
+Places = tuple[routing.Box, ...]
 
 
 def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
@@ -77,7 +64,7 @@ def places(shape: GraphShape, width: int, height: int) -> Iterator[Places]:
             continue
         seen.add((box_height, *widths, *columns_at))
         yield tuple(
-            Box(columns_at[node.column], tops[node.row], widths[node.column], box_height)
+            routing.Box(columns_at[node.column], tops[node.row], widths[node.column], box_height)
             for node in shape.nodes
         )
 
@@ -195,7 +182,7 @@ _NARROWNESS: Final = 20.0  # divided by the box width: acceptable extra cost of 
 _HEIGHT: Final = 0.3  # cost per row of difference from the wanted box height
 _SECOND_PORT: Final = 1.0
 _BY_A_TAKEN_PORT: Final = 5.0
-_LOOP_SIDE: Final = {RIGHT: 0.0, LEFT: 1.5, UP: 2.0, DOWN: 2.5}
+_LOOP_SIDE: Final = {routing.RIGHT: 0.0, routing.LEFT: 1.5, routing.UP: 2.0, routing.DOWN: 2.5}
 _LOOP_WIDTH: Final = 4  # of a loop above or below a box
 
 
@@ -258,12 +245,12 @@ def graph_layout(shape: GraphShape, width: int, height: int) -> GraphLayout | No
 class _Drawing:
     def __init__(self, shape: GraphShape, boxes: Places, width: int, height: int) -> None:
         self._shape, self._boxes = shape, boxes
-        self._sheet = RoutingSheet(width, height, {cell for box in boxes for cell in box.cells()})
-        self._taken_ports: set[Cell] = set()
+        self._sheet = routing.RoutingSheet(width, height, {cell for box in boxes for cell in box.cells()})
+        self._taken_ports: set[routing.Cell] = set()
         self._strokes: list[Stroke] = []
         self._heads: list[ArrowHead] = []
         self._forks: list[Fork] = []
-        self._lines: dict[Cell, set[LineOf]] = {}
+        self._lines: dict[routing.Cell, set[LineOf]] = {}
         self._wanted: list[WantedLabel] = []
         self._labels: list[EdgeLabel] = []
         self._label_cost = self._route_cost = 0.0
@@ -301,7 +288,7 @@ class _Drawing:
         if main.target == action.source:
             path = self._loop(action.source)
         else:
-            path = route(self._sheet, *self._ports(action, main.target))
+            path = routing.route(self._sheet, *self._ports(action, main.target))
         if path is None:
             return False
         self._enter((action.pair, 0), path)
@@ -315,9 +302,9 @@ class _Drawing:
         self._forks.append(Fork(action.pair, *fork))
         rest = runs_of(path.cells[index + 1 :], path.directions[index + 1 :])
         self._want((action.pair, 0), main.label, rest, inline=True)
-        starts = {Port(fork, (path.directions[index] + turn) % 4): 0.0 for turn in (1, 3)}
+        starts = {routing.Port(fork, (path.directions[index] + turn) % 4): 0.0 for turn in (1, 3)}
         for number, branch in enumerate(others, start=1):
-            side_path = route(
+            side_path = routing.route(
                 self._sheet, starts, self._ends(branch.target, self._centres(branch.target, None))
             )
             if side_path is None:
@@ -329,12 +316,15 @@ class _Drawing:
             self._want((action.pair, number), branch.label, runs, inline=True)
         return True
 
-    def _fork_index(self, path: Route) -> int | None:
+    def _fork_index(self, path: routing.Route) -> int | None:
         wish = 1 if len(path.cells) < 9 else 2
         straight = [
             index
-            for index, cell in enumerate(path.cells[:-1] if path.end.direction in HORIZONTAL else path.cells)
-            if path.arms(index)[0] == reverse(path.arms(index)[1]) and len(self._sheet.lines[cell]) == 2
+            for index, cell in enumerate(
+                path.cells[:-1] if path.end.direction in routing.HORIZONTAL else path.cells
+            )
+            if path.arms(index)[0] == routing.reverse(path.arms(index)[1])
+            and len(self._sheet.lines[cell]) == 2
         ]
         return min(straight, key=lambda each: abs(each - wish), default=None)
 
@@ -342,7 +332,7 @@ class _Drawing:
         if text:
             self._wanted.append(WantedLabel(line, text, runs, inline))
 
-    def _enter(self, line: LineOf, path: Route) -> None:
+    def _enter(self, line: LineOf, path: routing.Route) -> None:
         pair, start, end = line[0], path.start, path.end
         self._route_cost += path.cost
         self._sheet.take(path)
@@ -352,38 +342,42 @@ class _Drawing:
             self._lines.setdefault(cell, set()).add(line)
         self._taken_ports |= {start.cell, end.cell}
 
-    def _put_head(self, pair: int, path: Route, fork: int | None = None) -> None:
+    def _put_head(self, pair: int, path: routing.Route, fork: int | None = None) -> None:
         # before the box, or in its border where a short line forks
         head = path.end.cell if fork == len(path.cells) - 1 else path.cells[-1]
         self._heads.append(ArrowHead(pair, *head, path.end.direction))
 
-    def _ports(self, action: GraphAction, target: int) -> tuple[dict[Port, float], dict[Port, float]]:
+    def _ports(
+        self, action: GraphAction, target: int
+    ) -> tuple[dict[routing.Port, float], dict[routing.Port, float]]:
         leaving = self._ends(action.source, self._centres(action.source, target, action))
-        starts = {Port(port.cell, reverse(port.direction)): cost for port, cost in leaving.items()}
+        starts = {
+            routing.Port(port.cell, routing.reverse(port.direction)): cost for port, cost in leaving.items()
+        }
         return starts, self._ends(target, self._centres(target, action.source, action))
 
-    def _loop(self, state: int) -> Route | None:
+    def _loop(self, state: int) -> routing.Route | None:
         free, middle = self._ends(state, {}), self._boxes[state].x + self._boxes[state].width / 2
-        loops: list[Route] = []
+        loops: list[routing.Route] = []
         for end, cost in free.items():
-            side = reverse(end.direction)
-            apart = (0, -1) if side in HORIZONTAL else (-_LOOP_WIDTH, 0)
+            side = routing.reverse(end.direction)
+            apart = (0, -1) if side in routing.HORIZONTAL else (-_LOOP_WIDTH, 0)
             cell = (end.cell[0] + apart[0], end.cell[1] + apart[1])
-            if Port(cell, end.direction) not in free:
+            if routing.Port(cell, end.direction) not in free:
                 continue
-            off = 0.0 if side in HORIZONTAL else abs(cell[0] + _LOOP_WIDTH / 2 - middle)
-            loop = route(self._sheet, {Port(cell, side): _LOOP_SIDE[side] + off}, {end: cost})
+            off = 0.0 if side in routing.HORIZONTAL else abs(cell[0] + _LOOP_WIDTH / 2 - middle)
+            loop = routing.route(self._sheet, {routing.Port(cell, side): _LOOP_SIDE[side] + off}, {end: cost})
             loops += [loop] if loop else []
         return min(loops, key=lambda loop: loop.cost, default=None)
 
-    def _ends(self, state: int, centres: dict[int, float]) -> dict[Port, float]:
+    def _ends(self, state: int, centres: dict[int, float]) -> dict[routing.Port, float]:
         box, ends = self._boxes[state], {}
-        for side in (UP, RIGHT, DOWN, LEFT):
+        for side in (routing.UP, routing.RIGHT, routing.DOWN, routing.LEFT):
             for index, cell in enumerate(box.ports(side)):
                 if cell in self._taken_ports:
                     continue
                 cost = 0.0
-                if side in HORIZONTAL:
+                if side in routing.HORIZONTAL:
                     cost += _SECOND_PORT * index
                 else:
                     cost += abs(cell[0] - centres.get(side, cell[0]))
@@ -392,7 +386,7 @@ class _Drawing:
                         for off in (-2, -1, 1, 2)
                         if (cell[0] + off, cell[1]) in self._taken_ports
                     )
-                ends[Port(cell, reverse(side))] = cost
+                ends[routing.Port(cell, routing.reverse(side))] = cost
         return ends
 
     def _centres(self, state: int, other: int | None, action: GraphAction | None = None) -> dict[int, float]:
@@ -408,4 +402,4 @@ class _Drawing:
             # edges that go up or left come first
             between.sort(key=lambda each: (-nodes[each.source].row, -nodes[each.source].column))
             share = (between.index(action) + 1) / (len(between) + 1)
-        return dict.fromkeys((UP, DOWN), box.x + round(share * (box.width - 1)))
+        return dict.fromkeys((routing.UP, routing.DOWN), box.x + round(share * (box.width - 1)))

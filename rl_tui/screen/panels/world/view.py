@@ -28,16 +28,9 @@ from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.policies.studied import policy_ink
 from rl_tui.screen.panels.status_line import how_far
+from rl_tui.screen.panels.world import scale_line as scales
 from rl_tui.screen.panels.world.drawn_picture import DrawnPicture
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
-from rl_tui.screen.panels.world.scale_line import (
-    ALL_ZERO,
-    NOTHING_KNOWN,
-    VALUE,
-    VEILED,
-    NamedScale,
-    scale_line,
-)
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.screen.theme.look import Look
@@ -360,7 +353,7 @@ class WorldView(DrawnPicture, can_focus=True):
         if self.lane:  # the note of one of two runs explains it
             signs = tuple(sign for sign in signs if sign.sign.strip() != self.look.glyphs.differs)
         scale = self.named_scale if tells else None
-        line = scale_line(tuple(said), scale, signs, width - self._taken, self.look)
+        line = scales.scale_line(tuple(said), scale, signs, width - self._taken, self.look)
         if not self._taken:
             return line
         return Strip.join((line, strips_of([self._stands_at], self._taken, 1, self.look)[0]))
@@ -375,14 +368,14 @@ class WorldView(DrawnPicture, can_focus=True):
         return SCALE_ROOM - BORDER_ENDS if self.cell is not None else 0
 
     @property
-    def named_scale(self) -> NamedScale | None:
+    def named_scale(self) -> scales.NamedScale | None:
         """The colour scale and its word."""
         layer = self.drawn_layer
         if self.world.is_bandit or (self.lacks_table and layer not in WORDS):
             return None
         is_known = self.snapshot is not None and len(layer_numbers(self.snapshot, layer)[0]) > 0
-        unknown = VEILED if self.veils else ALL_ZERO if is_known else NOTHING_KNOWN
-        return NamedScale(WORDS.get(layer, VALUE), self.tints, unknown)
+        unknown = scales.VEILED if self.veils else scales.ALL_ZERO if is_known else scales.NOTHING_KNOWN
+        return scales.NamedScale(WORDS.get(layer, scales.VALUE), self.tints, unknown)
 
     def _name_lane(self, width: int) -> None:
         shows = self.heading.removeprefix(f"{TITLE} · ")
