@@ -14,20 +14,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.live.commands import AddBranch, GoTo
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.recipe import (
-    EditWorld,
-    JournalEntry,
-    OrderSweep,
-    Recipe,
-    RedoEdit,
-    SetParameter,
-    Setting,
-    SwitchAlgorithm,
-    TakeAction,
-    UndoEdit,
-    WorldChange,
-    changed_recipe,
-)
+from rl_tui.runs import recipe as recipes
 from rl_tui.runs.timeline.branches import Timeline
 from rl_tui.screen.dialogs.compare_lanes import branches_beside
 from rl_tui.screen.dialogs.form import Candidate, Choice, Form, TypedLine
@@ -162,31 +149,31 @@ class JournalLine:
 
 
 def journal_lines(
-    journal: Sequence[JournalEntry], recipe: Recipe, world: World, glyphs: Glyphs
+    journal: Sequence[recipes.JournalEntry], recipe: recipes.Recipe, world: World, glyphs: Glyphs
 ) -> list[JournalLine]:
     """Write ``journal``, joining steps by hand."""
     lines: list[JournalLine] = []
     for entries in _grouped(journal):
         first, last, change = entries[0].step, entries[-1].step, entries[-1].change
-        if isinstance(change, TakeAction):
+        if isinstance(change, recipes.TakeAction):
             count = len(entries)
             what = f"{count} by hand" if count > 1 else f"by hand {_taken(world, change.action, glyphs)}"
             lines.append(JournalLine(first, last + 1, what, count))
             continue
-        if isinstance(change, OrderSweep):
+        if isinstance(change, recipes.OrderSweep):
             what = f"next sweep: {change.phase}"
-        elif isinstance(change, WorldChange):
+        elif isinstance(change, recipes.WorldChange):
             what = _edited(change)
         else:
-            symbol = f"{PARAMETERS[change.name].symbol} " if isinstance(change, SetParameter) else ""
-            before, recipe = recipe, changed_recipe(recipe, change)
+            symbol = f"{PARAMETERS[change.name].symbol} " if isinstance(change, recipes.SetParameter) else ""
+            before, recipe = recipe, recipes.changed_recipe(recipe, change)
             what = f"{symbol}{_called(before, change)} → {_called(recipe, change)}"
         lines.append(JournalLine(first, first, what))
     return lines
 
 
-def _grouped(journal: Sequence[JournalEntry]) -> Iterator[Sequence[JournalEntry]]:
-    group: list[JournalEntry] = []
+def _grouped(journal: Sequence[recipes.JournalEntry]) -> Iterator[Sequence[recipes.JournalEntry]]:
+    group: list[recipes.JournalEntry] = []
     for entry in journal:
         if group and not _goes_on(group[-1], entry):
             yield group
@@ -196,24 +183,28 @@ def _grouped(journal: Sequence[JournalEntry]) -> Iterator[Sequence[JournalEntry]
         yield group
 
 
-def _goes_on(before: JournalEntry, entry: JournalEntry) -> bool:
+def _goes_on(before: recipes.JournalEntry, entry: recipes.JournalEntry) -> bool:
     was, change = before.change, entry.change
-    if type(was) is not type(change) or isinstance(change, WorldChange):
+    if type(was) is not type(change) or isinstance(change, recipes.WorldChange):
         return False
-    if isinstance(change, SetParameter) and isinstance(was, SetParameter) and change.name != was.name:
+    if (
+        isinstance(change, recipes.SetParameter)
+        and isinstance(was, recipes.SetParameter)
+        and change.name != was.name
+    ):
         return False
-    return entry.step == before.step + isinstance(change, TakeAction)
+    return entry.step == before.step + isinstance(change, recipes.TakeAction)
 
 
-def _edited(change: WorldChange) -> str:
+def _edited(change: recipes.WorldChange) -> str:
     match change:
-        case EditWorld(edits):
+        case recipes.EditWorld(edits):
             more = len(edits) - _MOST_EDITS
             shown = written_edits(edits[:_MOST_EDITS]).replace(PREFIX, "").replace(BETWEEN, f"{BETWEEN} ")
             return f"world: {shown}{f' and {more:,} more' if more > 0 else ''}"
-        case UndoEdit():
+        case recipes.UndoEdit():
             return "world: an edit undone"
-        case RedoEdit():
+        case recipes.RedoEdit():
             return "world: an edit redone"
 
 
@@ -224,8 +215,8 @@ def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
     return action_name(world, names.index(action) if isinstance(action, str) else action, glyphs)
 
 
-def _called(recipe: Recipe, change: Setting) -> str:
-    if isinstance(change, SwitchAlgorithm):
+def _called(recipe: recipes.Recipe, change: recipes.Setting) -> str:
+    if isinstance(change, recipes.SwitchAlgorithm):
         return algorithm_row(recipe.algorithm).name
     return called(change.name, recipe.hyperparameters.value(change.name))
 

@@ -14,17 +14,8 @@ from rl_tui.runs.recipe import SEED_DRAWS_WORLD, SwitchAlgorithm
 from rl_tui.runs.timeline.run_group import ONLY_YOUR_PROGRAM
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
+from rl_tui.screen.dialogs import compare_lanes
 from rl_tui.screen.dialogs.choice import algorithm_choice, ask_value, policy_choice
-from rl_tui.screen.dialogs.compare_lanes import (
-    ALGORITHM,
-    MOST_LANES,
-    Answer,
-    RunTable,
-    branch_choice,
-    branches_beside,
-    lane_changes,
-    setting_choice,
-)
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.dialogs.form import Form
 
@@ -37,7 +28,7 @@ class LaneActions(Subject):
     def show_runs(self) -> None:
         """Open the table of runs."""
         if self.snapshot is not None:
-            self.ask(RunTable(self.screen.look, self.snapshot), self._compared)
+            self.ask(compare_lanes.RunTable(self.screen.look, self.snapshot), self._compared)
 
     def why_not(self, deed: str) -> str:
         """Explain why a run cannot be added, shown or ended."""
@@ -51,7 +42,7 @@ class LaneActions(Subject):
             return "there is no room for two runs side by side here"
         if not deed.startswith("another"):
             return ""
-        if len(lanes) == MOST_LANES:
+        if len(lanes) == compare_lanes.MOST_LANES:
             return "four runs are open already. c e: end one"
         world = None if snapshot is None else snapshot.world
         if deed != "another_branch" and world is not None and not world.is_remade:
@@ -59,7 +50,7 @@ class LaneActions(Subject):
         if deed == "another_seed":
             drawn = self.link.wanted.recipe.scenario.section.drawn_from_seed
             return SEED_DRAWS_WORLD if drawn else ""
-        if deed == "another_branch" and (snapshot is None or not branches_beside(snapshot)):
+        if deed == "another_branch" and (snapshot is None or not compare_lanes.branches_beside(snapshot)):
             return "this run has one branch. b, then a change: begin another"
         return ""
 
@@ -76,12 +67,12 @@ class LaneActions(Subject):
 
     def another_algorithm(self) -> None:
         """Ask for another run's algorithm."""
-        self._ask_difference(ALGORITHM)
+        self._ask_difference(compare_lanes.ALGORITHM)
 
     def another_setting(self) -> None:
         """Ask for the setting that differs."""
         if self.snapshot is not None:
-            self.ask(setting_choice(in_force(self.snapshot), self.glyphs), self._ask_difference)
+            self.ask(compare_lanes.setting_choice(in_force(self.snapshot), self.glyphs), self._ask_difference)
 
     def another_seed(self) -> None:
         """Add a run with the next seed."""
@@ -90,7 +81,7 @@ class LaneActions(Subject):
     def another_branch(self) -> None:
         """Ask for the branch to open."""
         if self.snapshot is not None:
-            choice = branch_choice(branches_beside(self.snapshot), self.glyphs)
+            choice = compare_lanes.branch_choice(compare_lanes.branches_beside(self.snapshot), self.glyphs)
             self.ask(choice, lambda branch: self.link.send(AddBranch(int(branch))))
 
     def end(self) -> None:
@@ -112,7 +103,7 @@ class LaneActions(Subject):
         elif refused := self.why_not("one_lane"):
             self.screen.refuse(refused)
 
-    def _compared(self, answer: Answer) -> None:
+    def _compared(self, answer: compare_lanes.Answer) -> None:
         if isinstance(answer, ChooseLane):
             self._show_lane(answer.lane)
         elif isinstance(answer, DropLane):
@@ -146,10 +137,10 @@ class LaneActions(Subject):
         if self.snapshot is None:
             return
         space, recipe, glyphs = self.snapshot.world.space, in_force(self.snapshot), self.glyphs
-        if name == ALGORITHM and self.snapshot.program is not None:
+        if name == compare_lanes.ALGORITHM and self.snapshot.program is not None:
             self._ask_for_ours(self.snapshot)
             return
-        if name == ALGORITHM:
+        if name == compare_lanes.ALGORITHM:
             title = f"Another algorithm beside {algorithm_row(recipe.algorithm).name}"
             dialog: Form = algorithm_choice(space, recipe, glyphs, title, taken=recipe.algorithm)
         elif name == "policy":
@@ -170,7 +161,9 @@ class LaneActions(Subject):
         if self.snapshot is None:
             return
         try:
-            changes = lane_changes(self.snapshot.world.space, in_force(self.snapshot), name, value)
+            changes = compare_lanes.lane_changes(
+                self.snapshot.world.space, in_force(self.snapshot), name, value
+            )
         except UserError as fault:
             self.screen.tell(str(fault), severity="warning")
         else:
