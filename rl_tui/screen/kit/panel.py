@@ -321,6 +321,11 @@ class Panel(BoardPanel):
         """Refit picture and titles."""
         self.redraw()
 
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Draw what counts only in focus, such as keys and the cursor."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
+
     def render_line(self, y: int) -> Strip:
         """Return row ``y`` of the picture."""
         if self._drawn_size != self.size:

@@ -157,11 +157,6 @@ class ScrolledPanel(Panel, can_focus=True):
         """Scroll with one row of overlap."""
         self._scroll(pages * max(1, self._rows_in_view - 1))
 
-    def watch_has_focus(self, has_focus: bool) -> None:
-        """Show the keys only while they count."""
-        super().watch_has_focus(has_focus)
-        self.redraw()
-
     def turn_wheel(self, rows: int, event: events.MouseEvent) -> None:
         """Scroll by ``rows``."""
         event.stop()

@@ -298,11 +298,6 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         """Go to the first or last step."""
         self._seek(self._timeline.current.end if last else 0)
 
-    def watch_has_focus(self, has_focus: bool) -> None:
-        """Show or hide the focus."""
-        super().watch_has_focus(has_focus)
-        self.redraw()
-
     # Mouse
 
     def on_mouse_down(self, event: events.MouseDown) -> None:

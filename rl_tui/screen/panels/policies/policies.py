@@ -180,11 +180,6 @@ class Policies(Panel, can_focus=True):
         named = (f"{run} {group.lanes[group.shown].name} · {each}" for each in plain)
         return *named, f"{run} · {TITLE}", run
 
-    def watch_has_focus(self, has_focus: bool) -> None:
-        """Show the choosing keys only while focused."""
-        super().watch_has_focus(has_focus)
-        self.redraw()
-
     def on_click(self, event: events.Click) -> None:
         """Choose the clicked policy."""
         offset = event.get_content_offset(self)

@@ -288,7 +288,6 @@ class QTable(Panel, can_focus=True):
     def watch_has_focus(self, has_focus: bool) -> None:
         """Show or hide the cursor."""
         super().watch_has_focus(has_focus)
-        self.redraw()
         self._tell()
 
     def point_at(self, pairs: range) -> None:

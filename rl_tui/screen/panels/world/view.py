@@ -462,7 +462,6 @@ class WorldView(DrawnPicture, can_focus=True):
     def watch_has_focus(self, has_focus: bool) -> None:
         """Show or hide the cursor everywhere."""
         super().watch_has_focus(has_focus)
-        self.redraw()
         shown = self.cursor if has_focus else None
         self._tell(NOWHERE if shown is None else self.pairs_at(shown))
 
