@@ -7,13 +7,11 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.text import Text
-from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.widgets import Static
 
-from rl_tui.screen.dialogs.dialog import Dialog
-from rl_tui.screen.frame.key_sheet import FIND, KEYS, WORDS, KeyPage, tabs
+from rl_tui.screen.frame.key_sheet import FIND, KEYS, WORDS, HelpPage
 from rl_tui.screen.kit.row import PanelRow
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -72,8 +70,8 @@ _TOPICS: Final = (
 )
 
 
-class HelpScreen(Dialog[str]):
-    """One page that scrolls, ``notes`` last. The answer is the next page of ``?``."""
+class HelpScreen(HelpPage):
+    """The page of all explanations, ``notes`` last."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the pages."),
@@ -89,25 +87,15 @@ class HelpScreen(Dialog[str]):
         notes: str = "",
         topics: Sequence[tuple[str, str]] = (),
     ) -> None:
-        super().__init__()
-        self._look = look
+        super().__init__(look, "Pages", "1: keys   2: words   /: find   esc: close")
         self._panels = panels
         self._topics = topics
         self._notes = notes
 
-    def compose(self) -> ComposeResult:
-        """Yield the page in a box."""
-        with self.box("", "1: keys   2: words   /: find   esc: close", "whole") as box:
-            box.border_title = tabs("Pages")
-            with VerticalScroll():
-                yield KeyPage(self._lines)
-
     def on_mount(self) -> None:
-        """Focus the page to scroll it."""
-        page = self.query_one(VerticalScroll)
-        page.focus()
+        """Add the notes when the page is scrolled, or has room."""
         if self._notes:
-            self.watch(page, "scroll_y", self._add_notes, init=False)
+            self.watch(self.query_one(VerticalScroll), "scroll_y", self._add_notes, init=False)
             self.call_after_refresh(self._fill)
 
     async def _fill(self) -> None:

@@ -83,11 +83,32 @@ class KeyPage(Widget):
         return Text("\n", no_wrap=True, overflow="crop").join(self._lines(self.size.width))
 
 
-class KeySheet(Dialog[str]):
-    """The keys of ``actions`` and of the focused ``panel``.
+class HelpPage(Dialog[str]):
+    """A page of ``?`` that scrolls. The answer is the next one, or ``FIND``."""
 
-    The answer is ``WORDS``, ``PAGES`` or ``FIND``.
-    """
+    def __init__(self, look: Look, tab: str, keys: str) -> None:
+        super().__init__()
+        self._look = look
+        self._tab = tab
+        self._keys = keys
+
+    def compose(self) -> ComposeResult:
+        """Yield the lines in a box."""
+        with self.box("", self._keys, "whole") as box:
+            box.border_title = tabs(self._tab)
+            with VerticalScroll():
+                yield KeyPage(self._lines)
+
+    def on_mount(self) -> None:
+        """Focus the lines to scroll them."""
+        self.query_one(VerticalScroll).focus()
+
+    def _lines(self, width: int) -> list[Text]:
+        raise NotImplementedError
+
+
+class KeySheet(HelpPage):
+    """The keys of ``actions`` and of the focused ``panel``."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark,tab,2", f"dismiss('{WORDS}')", "words", id="keys.words", tooltip="Words."),
@@ -97,28 +118,17 @@ class KeySheet(Dialog[str]):
     ]
 
     def __init__(self, look: Look, actions: Sequence[Action], panel: Widget | None, name: str) -> None:
-        super().__init__()
-        self._look = look
+        super().__init__(look, "Keys", "?: words   /: find   esc: close")
         self._actions = actions
         self._panel = panel
         self._name = name
 
-    def compose(self) -> ComposeResult:
-        """Yield the page in a box."""
-        with self.box("", "?: words   /: find   esc: close", "whole") as box:
-            box.border_title = tabs("Keys")
-            with VerticalScroll():
-                yield KeyPage(self._page)
+    def _lines(self, width: int) -> list[Text]:
+        return list(self._all_keys(width))
 
-    def on_mount(self) -> None:
-        """Focus the page to scroll it."""
-        self.query_one(VerticalScroll).focus()
-
-    def _page(self, width: int) -> list[Text]:
+    def _all_keys(self, width: int) -> Iterator[Text]:
         room = self.app.size
-        return list(self._lines(width, room.width >= _ROOMY[0] and room.height >= _ROOMY[1]))
-
-    def _lines(self, width: int, is_roomy: bool) -> Iterator[Text]:
+        is_roomy = room.width >= _ROOMY[0] and room.height >= _ROOMY[1]
         strong = self._look.palette.strong
         count = 3 if width < 72 else 4
         for heading, entries in self._sections():
