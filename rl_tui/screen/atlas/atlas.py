@@ -115,7 +115,7 @@ class MapPicture:
         self.scene, self.width, self.height = scene, width, height
         upwards, across = scene.axes
         self.rows, self.columns = 1 if upwards is None else upwards.count, across.count
-        names = [] if upwards is None else [value_name(upwards, row) for row in range(self.rows)]
+        names = [] if upwards is None else [_value_name(upwards, row) for row in range(self.rows)]
         self.label = max(map(cell_len, names), default=0) + 1
         self.field = max(LEAST_FIELD, min(MOST_FIELD, (width - self.label) // across.count))
         self.tall = max(1, min(_TALL, (height - _NAMES) // self.rows))
@@ -141,19 +141,19 @@ class MapPicture:
         scene, palette = self.scene, self.scene.look.palette
         canvas = Canvas(self.width, self.height, palette.text)
         upwards, across = scene.axes
-        current, names = scene.cells.places(scene.in_force), f"{setting_name(across)} →"
+        current, names = scene.cells.places(scene.in_force), f"{_setting_name(across)} →"
         for index in range(scene.cells.count):
             self._draw_cell(canvas, index)
         if upwards is not None:
-            names = f"{setting_name(upwards)} ↑  {names}"
+            names = f"{_setting_name(upwards)} ↑  {names}"
             for row in range(self.rows):
                 y = self.place(row * self.columns)[1] + (self.tall - 1) // 2
                 style = palette.strong if row == current[0] else palette.dim
-                canvas.put(0, y, f"{value_name(upwards, row):>{self.label - 1}}", style)
+                canvas.put(0, y, f"{_value_name(upwards, row):>{self.label - 1}}", style)
         canvas.put(0, 0, scene.look.glyphs.spelled(names), palette.dim)
         for column in range(self.columns):
             style = palette.strong if column == current[-1] else palette.dim
-            text = centred(value_name(across, column), self.field)
+            text = centred(_value_name(across, column), self.field)
             canvas.put(self.place(column)[0], 1 + self.rows * self.tall, text, style)
         return canvas
 
@@ -173,14 +173,12 @@ class MapPicture:
             canvas.restyle(left, top + line, self.field, scene.look.palette.agent)
 
 
-def setting_name(variation: Variation) -> str:
-    """Return a setting's symbol, or its name."""
+def _setting_name(variation: Variation) -> str:
     parameter = PARAMETERS.get(variation.name)
     return variation.name if parameter is None else parameter.symbol
 
 
-def value_name(variation: Variation, place: int) -> str:
-    """Write a value as people do: ``0.1``."""
+def _value_name(variation: Variation, place: int) -> str:
     value = variation.value(place)
     return value if isinstance(value, str) else f"{value:.4g}"
 
@@ -281,7 +279,7 @@ def cell_line(scene: AtlasScene) -> str:
     """Describe the cell under the cursor."""
     places = scene.cells.places(scene.cursor)
     settings = "  ".join(
-        f"{setting_name(each)} {value_name(each, place)}"
+        f"{_setting_name(each)} {_value_name(each, place)}"
         for each, place in zip(scene.cells.variations, places, strict=True)
     )
     return f"{settings}: {_figures(scene)}"
@@ -349,7 +347,7 @@ class AtlasDialog(Dialog[Recipe]):
 
     def compose(self) -> ComposeResult:
         """Yield metric, map and line."""
-        names = " × ".join(map(setting_name, self._request.variations))
+        names = " × ".join(map(_setting_name, self._request.variations))
         with self.box(self._look.glyphs.separated(f"Settings map · {names}"), ""):
             yield Static(id="measure", markup=False)
             yield Static(id="head", classes="hint", markup=False)

@@ -65,8 +65,7 @@ def state_of(entry: LessonEntry, progress: LessonProgress) -> str:
     return f"{DONE} {here}" if progress.finished else here
 
 
-def lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
-    """Return details, and the ``following`` title."""
+def _lesson_details(entry: LessonEntry, following: str, look: Look) -> Group:
     lesson, palette = entry.lesson, look.palette
     lines = {"then": following} if following else {}
     rows = [(label, Text(look.glyphs.separated(line))) for label, line in (_lines(entry) | lines).items()]
@@ -91,22 +90,20 @@ def mark_of(entry: LessonEntry, look: Look) -> str:
     return look.glyphs.progress[entry.is_at_end]
 
 
-def pages_done(entry: LessonEntry) -> int:
-    """Count the pages before the open one."""
+def _pages_done(entry: LessonEntry) -> int:
     if entry.progress is None:
         return 0
     return len(entry.lesson.pages) if entry.is_at_end else entry.lesson.number_of(entry.progress.page)
 
 
 def _pages(entry: LessonEntry, look: Look) -> str:
-    done, glyphs = pages_done(entry), look.glyphs
+    done, glyphs = _pages_done(entry), look.glyphs
     here = glyphs.progress[0] if entry.progress is not None and not entry.is_at_end else ""
     to_come = glyphs.untried * (len(entry.lesson.pages) - done - len(here))
     return f"{glyphs.spelled(DONE) * done}{here}{to_come}"
 
 
-def progress_line(found: LessonEntries) -> str:
-    """Describe the progress in all lessons."""
+def _progress_line(found: LessonEntries) -> str:
     numbers = [str(number) for number, each in enumerate(found.entries, start=1) if each.lesson.is_core]
     core = f" · core course: {' '.join(numbers)}" if numbers else ""
     begun = [entry.progress for entry in found.entries if entry.progress is not None]
@@ -176,7 +173,7 @@ class LessonList(RowList):
     def _rows(self) -> Iterator[Option]:
         for number, entry in enumerate(self._entries, start=1):
             if isinstance(entry, LessonEntry):
-                lesson, done = entry.lesson, pages_done(entry)
+                lesson, done = entry.lesson, _pages_done(entry)
                 mark, pages = mark_of(entry, self._look), f"{done}/{len(lesson.pages)}"
                 yield Option(ListRow(mark, f"{number} {lesson.title}", pages, self._look))
             else:
@@ -258,7 +255,7 @@ class LessonsScreen(ListScreen):
             self.deliver(self._list_lessons, found)
 
     def _list_lessons(self, found: LessonEntries) -> None:
-        self.query_one("#progress", Static).update(f" {self.look.glyphs.separated(progress_line(found))}")
+        self.query_one("#progress", Static).update(f" {self.look.glyphs.separated(_progress_line(found))}")
         self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at or found.goes_on_at)
         self.show_current()
         self._read.set()
@@ -286,7 +283,7 @@ class LessonsScreen(ListScreen):
         text: RenderableType = Text(_NONE, self.look.palette.text)
         if isinstance(entry, LessonEntry):
             title = entry.lesson.title
-            text = lesson_details(entry, self.query_one(LessonList).following, self.look)
+            text = _lesson_details(entry, self.query_one(LessonList).following, self.look)
         elif isinstance(entry, ScenarioError):
             what = "This lesson cannot be taken until its file is fixed."
             title, text = "Errors", faults_text(what, entry.faults, self.look)

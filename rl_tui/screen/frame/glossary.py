@@ -170,8 +170,7 @@ class GlossaryScreen(Dialog[str]):
 # What the person points at
 
 
-def setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:
-    """Return the run's current values, or None."""
+def _setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:
     shown = (panel.snapshot for panel in screen.query(Panel) if panel.snapshot is not None)
     snapshot = next(shown, None)
     if snapshot is None:
@@ -245,7 +244,7 @@ class HelpPages:
     def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
         """Show the terms ``here``, or all, and ``number`` at ``NUMBER``."""
         screen = self._screen
-        setting = setting_here(screen, screen.look.glyphs)
+        setting = _setting_here(screen, screen.look.glyphs)
         screen.app.push_screen(GlossaryScreen(screen.look, here, number, setting), self._turn)
 
     def _turn(self, page: str | None) -> None:

@@ -107,7 +107,7 @@ class HelpScreen(HelpPage):
         """Put the notes at the end late, because Markdown is slow to load."""
         if not self._notes:
             return
-        notes, self._notes = notes_markdown(self._notes, self._look.glyphs), ""
+        notes, self._notes = _notes_markdown(self._notes, self._look.glyphs), ""
         page = self.query_one(VerticalScroll)
         # Stay at the beginning of a page that was not scrolled to its end
         to_end = 0 < page.max_scroll_y <= page.scroll_target_y
@@ -137,8 +137,7 @@ class HelpScreen(HelpPage):
             yield "", ""
 
 
-def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
-    """Return a widget that draws ``markdown``."""
+def _notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
     from textual.widgets import Markdown  # slow to load: must not delay the first paint
 
     widget = Markdown(glyphs.spelled(markdown), open_links=True)

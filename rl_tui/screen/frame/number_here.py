@@ -65,7 +65,7 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
         return number_of_pair(view.snapshot, place, Layer.Q, look)
     state = view.state_at(place)
     if state is not None and view.studied is not None:
-        return number_of_policy(view.snapshot, state, view.studied, look)
+        return _number_of_policy(view.snapshot, state, view.studied, look)
     return None if state is None else number_of_state(view.snapshot, state, look, view.drawn_layer)
 
 
@@ -82,8 +82,7 @@ def number_of_state(snapshot: Snapshot, state: int, look: Look, layer: Layer = L
     return _Teller(snapshot, look).of_state(state, layer) if held else None
 
 
-def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
-    """Return V under the shown policy."""
+def _number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
     name = names.state_name(snapshot.world, state, look.glyphs)
     value = float(snapshot.agent.values[state])
     if math.isnan(value):

@@ -103,10 +103,9 @@ def _return_text(value: float | None, decimals: int, look: Look) -> str:
     return numbers.fixed(value, decimals, look.glyphs, leading_zero=False)
 
 
-def flip_lines(
+def _flip_lines(
     flip: Flip, state: int, world: World, look: Look, width: int, form: FlipForm, *, is_chosen: bool
 ) -> list[Line]:
-    """Describe one flip, changes in ``state`` first."""
     palette, glyphs = look.palette, look.glyphs
     is_here = any(turn.state == state for turn in flip.turns)
     signs = discount_chart.flip_sign(flip, look) + (glyphs.change_mark if is_here else " ")
@@ -118,13 +117,12 @@ def flip_lines(
             Piece(f"{_GAP}{form.returns(flip, look)}", palette.text),
         ]
     ]
-    for text in turns_in_words(flip.turns, state, world, look):
+    for text in _turns_in_words(flip.turns, state, world, look):
         lines += wrapped(text, width, palette.text if is_here else palette.dim, look, "    ", "      ")
     return lines
 
 
-def turns_in_words(turns: Sequence[Turn], state: int, world: World, look: Look) -> Iterator[str]:
-    """Yield ``states 0, 2: ← to ↑``."""
+def _turns_in_words(turns: Sequence[Turn], state: int, world: World, look: Look) -> Iterator[str]:
 
     def changes(turn: Turn) -> tuple[str, str]:
         return _actions(turn.before, world, look), _actions(turn.after, world, look)
@@ -202,7 +200,7 @@ class DiscountPanel(Panel, can_focus=True):
 
     def subject_in(self, snapshot: Snapshot) -> range:
         """Return the pairs of the drawn state."""
-        return NOWHERE if said_instead(snapshot) else snapshot.world.space.pairs_of(self._state(snapshot))
+        return NOWHERE if _said_instead(snapshot) else snapshot.world.space.pairs_of(self._state(snapshot))
 
     @property
     def chosen(self) -> Flip | None:
@@ -237,7 +235,7 @@ class DiscountPanel(Panel, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of flips and lines."""
-        if said_instead(snapshot):
+        if _said_instead(snapshot):
             return ()
         glyphs, palette = self.look.glyphs, self.look.palette
         signs = {
@@ -258,7 +256,7 @@ class DiscountPanel(Panel, can_focus=True):
         """Draw chart and list, or a reason."""
         self.heading, self.footing, self.free_rows = _TITLE, self.fitting(("esc: close",), width), 0
         palette = self.look.palette
-        text = "" if snapshot is None else said_instead(snapshot)
+        text = "" if snapshot is None else _said_instead(snapshot)
         if snapshot is None or text:
             lines = wrapped(text, width, palette.dim, self.look, " ", " ")
             self.free_rows = height - len(lines) - 1
@@ -350,8 +348,7 @@ def why_empty(snapshot: Snapshot) -> str:
     return answer.reason if answer.state is FlipState.REFUSED else ""
 
 
-def said_instead(snapshot: Snapshot) -> str:
-    """Return the text instead of a chart."""
+def _said_instead(snapshot: Snapshot) -> str:
     answer = snapshot.answers.flips
     if reason := why_empty(snapshot):
         return reason
@@ -379,7 +376,8 @@ def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, wid
     flips: Sequence[Flip] = snapshot.answers.flips.flips
     form = fitting_form(flips, look, width)
     return [
-        flip_lines(flip, state, snapshot.world, look, width, form, is_chosen=flip is chosen) for flip in flips
+        _flip_lines(flip, state, snapshot.world, look, width, form, is_chosen=flip is chosen)
+        for flip in flips
     ]
 
 

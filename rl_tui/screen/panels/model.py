@@ -83,7 +83,7 @@ def pair_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]:
         ]
     )
     yield BLANK
-    yield from bellman_blocks(snapshot, pair, look)
+    yield from _bellman_blocks(snapshot, pair, look)
 
 
 def action_text(world: World, action: int, look: Look) -> str:
@@ -160,8 +160,7 @@ def _table(columns: Mapping[str, Sequence[str]], ends: Sequence[bool], look: Loo
 # The Bellman optimality equation
 
 
-def bellman_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]:
-    """Yield Q*(s,a) = Σ p [r + γ max Q*(s′,·)] in symbols and numbers."""
+def _bellman_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]:
     palette = look.palette
     name = names.pair_name(snapshot.world, pair, look.glyphs)
     total = "sum of" if look.glyphs.name == "ascii" else "Σ"

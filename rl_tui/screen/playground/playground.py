@@ -261,8 +261,7 @@ class Playground(ActionScreen):
             self.modes.press(key)
 
     @on(Touched)
-    def tell_mode(self, event: Touched) -> None:
-        """Pass an event to the active mode."""
+    def _tell_mode(self, event: Touched) -> None:
         self.modes.point(event, self.snapshot)
 
     @on(Slider.Changed)
@@ -272,14 +271,12 @@ class Playground(ActionScreen):
             self.agent.set_parameter(event.name, event.value)
 
     @on(DiscountPanel.GammaWanted)
-    def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
-        """Set γ beyond a flip point, unless a program sets it."""
+    def _set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
         if not self.program.sets_itself():
             self.agent.set_parameter("gamma", event.gamma)
 
     @on(Slider.Refused)
-    def tell_refusal(self, event: Slider.Refused) -> None:
-        """Show why a value is not valid."""
+    def _tell_refusal(self, event: Slider.Refused) -> None:
         self.tell(event.reason, severity="warning")
 
     @on(Slider.Released)
@@ -317,8 +314,7 @@ class Playground(ActionScreen):
         )
 
     @on(DescendantFocus)
-    def ask_for_flips(self) -> None:
-        """Ask for flip points if γ's slider has the focus."""
+    def _ask_for_flips(self) -> None:
         self.view.follow_flips()
 
     @on(TimelineBar.Sought)
@@ -390,7 +386,7 @@ class Playground(ActionScreen):
         self.link.receive(snapshot)
         if before is None:
             self.agent.set_what_waits()
-            self.follow_panels()
+            self._follow_panels()
         self.run.announce(snapshot)
         self.time.announce(before, snapshot)
         if snapshot.program is not None:
@@ -403,8 +399,7 @@ class Playground(ActionScreen):
             self.early_keys.release(self.app)
 
     @on(Board.Toggled)
-    def follow_panels(self) -> None:
-        """Start what opened panels need, and end it when they close."""
+    def _follow_panels(self) -> None:
         if self.snapshot is not None:
             self.microscope.follow_update()
             self.seeds.follow_panel()

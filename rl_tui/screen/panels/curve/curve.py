@@ -76,10 +76,9 @@ _CHANGES_APART: Final = 8  # columns: with denser changes of the world, their li
 _NOTHING, _CHANGE, _OPTIMUM, _STUDIED, _OUTLIER, _GREEDY, _CELLS = range(7)
 
 
-def draw_chart(
+def _draw_chart(
     data: CurveData, plot: Plot, columns: PlotColumns, look: Look, size: tuple[int, int], *, has_band: bool
 ) -> list[Strip]:
-    """Draw the chart in ``size`` (columns, rows)."""
     width, height = size
     canvas = Canvas(width, height, look.palette.text)
     decimals = decimals_of_labels(plot.scale)
@@ -278,8 +277,7 @@ def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, in
 # The curve in one row
 
 
-def spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str) -> Line:
-    """Draw one row of means, then ``words``."""
+def _spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str) -> Line:
     columns = width - cell_len(words) - 2
     if columns < 1 or not len(data.mean.means):
         return [Piece(words, look.palette.dim)]
@@ -367,7 +365,7 @@ class ReturnCurve(Panel, can_focus=True):
             self._band = key, has_band
         drawn = replace(data, greedy=plot.stepped(data.greedy))
         self.heading = self._headed(snapshot, data, drawn, plot, columns, width)
-        return draw_chart(drawn, plot, columns, self.look, (width, height), has_band=self._band[1])
+        return _draw_chart(drawn, plot, columns, self.look, (width, height), has_band=self._band[1])
 
     def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
         if (shows := (data.is_of_steps, data.is_of_errors)) != self._shows:
@@ -418,10 +416,10 @@ class ReturnCurve(Panel, can_focus=True):
     def _row(self, data: CurveData, scale: Scale, width: int) -> Line:
         decimals, look = decimals_of_labels(scale), self.look
         if width < _LEAST_WITH_NAMES:
-            return spark_line(data, scale, look, width, self._brief(data, decimals))
+            return _spark_line(data, scale, look, width, self._brief(data, decimals))
         title = f"{heads(data, has_band=False)[-1]}  "
         words = self._brief(data, decimals, with_optimum=True) or " ".join(nothing_yet(data))
-        line = spark_line(data, scale, look, width - len(title), words)
+        line = _spark_line(data, scale, look, width - len(title), words)
         return [Piece(title, look.palette.strong), *line]
 
     def _brief(self, data: CurveData, decimals: int, *, with_optimum: bool = False) -> str:

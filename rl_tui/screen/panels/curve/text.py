@@ -332,8 +332,7 @@ def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> lis
     return [*found, *labels(data, look, decimals, min(columns, _OTHERS), greedy=has_greedy, mean=False)]
 
 
-def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
-    """Return the columns for labels."""
+def _lane_columns(names: Sequence[str], look: Look, room: int) -> int:
     if room < _ROOM_FOR_NAMES:
         return 0
     widths = [_columns(names, look, form) for form in _FORMS]
@@ -431,5 +430,5 @@ def plot_columns(snapshot: Snapshot, look: Look, width: int) -> PlotColumns:
     lanes = snapshot.run_group.lanes
     labels = next((columns for least, columns in _LABELS if width >= least), 0)
     if lanes:
-        labels = max(labels, lane_columns([lane.name for lane in lanes], look, width - left))
+        labels = max(labels, _lane_columns([lane.name for lane in lanes], look, width - left))
     return PlotColumns(left, max(1, width - left - labels), labels)

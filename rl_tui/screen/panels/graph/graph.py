@@ -181,7 +181,7 @@ class GraphView(WorldView):
         if layout is not None:
             room = layout.boxes[0].width
         else:
-            room = block_room(self._layout, self.look) if self._layout is not None else 0
+            room = _block_room(self._layout, self.look) if self._layout is not None else 0
         form = values.number_form(min(VALUE_WIDTH, room or VALUE_WIDTH), self.number_forms)
         stops = snapshot.playback.breakpoints
         about = self.subject, self.subject_next
@@ -192,7 +192,7 @@ class GraphView(WorldView):
             last = followed_step(snapshot)
             ChainPicture(canvas, self._shape, layout.boxes, scene, self.look, self._ends, exact, last).draw()
         elif self._layout is not None:
-            draw_graph(canvas, bundled, self._layout, scene, exact, self.look)
+            _draw_graph(canvas, bundled, self._layout, scene, exact, self.look)
         else:
             self._list = EdgeList(self._shape, width)
             rows = len(self._list.lines)
@@ -277,14 +277,13 @@ class GraphView(WorldView):
         self._top = 0
 
 
-def block_room(layout: GraphLayout, look: Look) -> int:
-    """Return the length of block numbers, or 0."""
+def _block_room(layout: GraphLayout, look: Look) -> int:
     width, height = min(box.width for box in layout.boxes) - 2, layout.boxes[0].height
     has_blocks = width >= _LEAST_BLOCK[0] and height >= _LEAST_BLOCK[1] and look.glyphs.braille
     return (width + 3) // 4 if has_blocks else 0
 
 
-def draw_graph(
+def _draw_graph(
     canvas: Canvas,
     shape: GraphShape,
     layout: GraphLayout,
@@ -292,10 +291,9 @@ def draw_graph(
     exact: Sequence[float] | None,
     look: Look,
 ) -> None:
-    """Draw ``layout`` and ``scene``."""
     (values, form, signs), palette, glyphs = scene, look.palette, look.glyphs
     texts = [values.text(state, form, look) for state in range(len(shape.nodes))]
-    has_blocks = block_room(layout, look) > 0
+    has_blocks = _block_room(layout, look) > 0
     for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
         below = ""
         has_exact = has_blocks and box.height > _LEAST_BLOCK[1] and not node.terminal

@@ -263,7 +263,7 @@ class EdgeList:
             stroke = look.glyphs.bold if greedy else look.glyphs.thin
             text = self._text(line.action, line.branches, stroke, look.glyphs.head_right)
             style = look.palette.best if greedy else look.palette.text
-            canvas.put(self._x, y, whole_words(text, self._width - self._x, look), style)
+            canvas.put(self._x, y, _whole_words(text, self._width - self._x, look), style)
             if not signs.breakpoints.pairs.isdisjoint((line.action.pair, *line.action.pairs)):
                 canvas.put(self._x, y, look.glyphs.breakpoint, look.palette.breakpoint)
 
@@ -304,8 +304,7 @@ def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> N
         canvas.put(0, y, look.glyphs.agent, palette.agent)
 
 
-def whole_words(text: str, width: int, look: Look) -> str:
-    """Cut at a word, not in a number."""
+def _whole_words(text: str, width: int, look: Look) -> str:
     if len(text) <= width:
         return text
     ellipsis = look.glyphs.ellipsis

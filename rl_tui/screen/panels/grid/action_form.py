@@ -108,10 +108,9 @@ def side_of(sign: tuple[int, int] | str | None) -> tuple[int, int] | None:
     return (rows > 0) - (rows < 0), (columns > 0) - (columns < 0)
 
 
-def forms_for(
+def _forms_for(
     kinds: ActionKinds, width: int, height: int, digits: int = LEAST_DIGITS, sign_width: int = 1
 ) -> Iterable[ActionForm]:
-    """Yield the fitting forms, best first."""
     if kinds.have_sides:
         yield from _with_sides(kinds, width, height, digits)
     rows = kinds.most
@@ -153,7 +152,7 @@ def whole_map_form(
     """Return the form in which the whole map fits. The form without numbers needs ``tints``."""
     cell_height = min(MOST_HEIGHT, height // rows)
     cell_width = min(4 * cell_height + 3, width // columns)  # characters are about twice as high as wide
-    forms = forms_for(kinds, cell_width, cell_height, digits, sign_width)
+    forms = _forms_for(kinds, cell_width, cell_height, digits, sign_width)
     return next((form for form in forms if tints or form.places is not Places.TINTS), None)
 
 
@@ -170,7 +169,7 @@ def part_form(
             for cell_width, cell_height in sizes
             if height // cell_height >= min(rows, _LEAST_PART)
             and width // cell_width >= min(columns, _LEAST_PART)
-            for form in forms_for(kinds, cell_width, cell_height, digits, sign_width)
+            for form in _forms_for(kinds, cell_width, cell_height, digits, sign_width)
             if form.places is not Places.TINTS
         ]
         if forms:

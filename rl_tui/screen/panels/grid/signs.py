@@ -36,7 +36,7 @@ def wind_strip(
     segments = []
     for column in range(part.left, part.left + part.columns):
         strength = grid.wind[column]
-        text, style = wind_text(strength, look), palette.text if strength else palette.dim
+        text, style = _wind_text(strength, look), palette.text if strength else palette.dim
         text = text if len(text) < form.width else text[-1:]
         if gust is not None and gust.column == column:
             is_stronger = abs(gust.pushed) > abs(strength) and len(text) + 1 < form.width
@@ -50,8 +50,7 @@ def wind_strip(
     return Strip(segments).adjust_cell_length(width, palette.text)
 
 
-def wind_text(strength: int, look: Look) -> str:
-    """Write strength and direction: ``↑2``."""
+def _wind_text(strength: int, look: Look) -> str:
     if not strength:
         return "0"
     return f"{look.glyphs.up if strength > 0 else look.glyphs.down}{abs(strength)}"
@@ -60,7 +59,7 @@ def wind_text(strength: int, look: Look) -> str:
 def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
     """Write the wind: ``wind 0 0 1 2``."""
     winds = grid.wind[part.left : part.left + part.columns]
-    return " ".join((WIND, *(wind_text(each, look) for each in winds)))
+    return " ".join((WIND, *(_wind_text(each, look) for each in winds)))
 
 
 # The legend
@@ -101,7 +100,7 @@ def letter_signs(of: GridMap, ink: Style) -> Iterator[LegendSign]:
 def ground_signs(of: GridMap, ink: Style, look: Look, *, has_edges: bool) -> Iterator[LegendSign]:
     """Yield wind, walls between cells and one-way cells."""
     if of.grid.wind:
-        yield LegendSign(wind_text(max(of.grid.wind, key=abs), look), WIND, look.palette.text)
+        yield LegendSign(_wind_text(max(of.grid.wind, key=abs), look), WIND, look.palette.text)
     if of.grid.walls and has_edges:
         yield LegendSign(look.glyphs.edges[1], "wall", ink)
     if of.ways:

@@ -128,14 +128,14 @@ def put_frame(canvas: Canvas, colour: Style, look: Look) -> None:
 def put_way(canvas: Canvas, way: LastWay, number: range, look: Look) -> None:
     """Draw the path on the crossed edge, but not over the ``number`` in the last row."""
     down, right = way.direction
-    sign = way_text(way, look)
+    sign = _way_text(way, look)
     row = 0 if down < 0 else canvas.height - 1 if down else canvas.height // 3
     is_padded = canvas.width >= _LEAST_PADDED and not right
     for text in (f" {sign} ", sign) if is_padded else (sign,):
         # next to the number in the middle
         column = 0 if right < 0 else canvas.width - len(text) - (not right)
         if row < canvas.height - 1 or column >= number.stop or column + len(text) <= number.start:
-            _put_whole(canvas, column, row, text, way_style(way, look))
+            _put_whole(canvas, column, row, text, _way_style(way, look))
             return
 
 
@@ -149,14 +149,12 @@ def _put_whole(canvas: Canvas, column: int, row: int, text: str, style: Style) -
     canvas.put(column, row, text, style)
 
 
-def way_style(way: LastWay, look: Look) -> Style:
-    """Return the style of a path, red if the agent slipped."""
+def _way_style(way: LastWay, look: Look) -> Style:
     agent = look.palette.agent
     return agent + readable(Style(color=look.palette.bad.color), agent) if way.slipped else agent
 
 
-def way_text(way: LastWay, look: Look) -> str:
-    """Return the sign of a path: ``━▶``."""
+def _way_text(way: LastWay, look: Look) -> str:
     glyphs = look.glyphs
     match way.direction:
         case (0, 1):
@@ -176,4 +174,4 @@ def trace_signs(left: dict[int, Trace], ink: Style, look: Look, *, has_ways: boo
         yield LegendSign(look.glyphs.trail, "trail", ink)
     slips = (trace.way for trace in left.values() if trace.way is not None and trace.way.slipped)
     for way in slips if has_ways else ():
-        yield LegendSign(way_text(way, look), "slipped", way_style(way, look))
+        yield LegendSign(_way_text(way, look), "slipped", _way_style(way, look))

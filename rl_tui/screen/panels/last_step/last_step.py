@@ -310,7 +310,7 @@ class LastStepPanel(Panel):
         """Draw the last step."""
         titles = (f"Last step · {each}" for each in _choices(snapshot, self.look))
         self.heading = self.fitting((*titles, *self.captioned("Last step"), "Last step"), width)
-        writer = None if snapshot is None else writer_of(snapshot, self.look, width, self._cells)
+        writer = None if snapshot is None else _writer_of(snapshot, self.look, width, self._cells)
         lines = last_step_lines(snapshot, self.look, width, height, writer)
         self._cells = () if writer is None else writer.cells
         return strips_of(lines, width, height, self.look)
@@ -340,14 +340,13 @@ def last_step_lines(
 ) -> list[Line]:
     """Return up to ``height`` lines."""
     if snapshot is not None:
-        writer = writer or writer_of(snapshot, look, width)
+        writer = writer or _writer_of(snapshot, look, width)
     if writer is None:
         return [[Piece(" ", look.palette.text), Piece(nothing_yet(snapshot), look.palette.dim)]]
     return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]
 
 
-def writer_of(snapshot: Snapshot, look: Look, width: int, cells: Sequence[int] = ()) -> StepWriter | None:
-    """Return the last step's writer, if any."""
+def _writer_of(snapshot: Snapshot, look: Look, width: int, cells: Sequence[int] = ()) -> StepWriter | None:
     story = story_of(snapshot)
     if story is None:
         return None

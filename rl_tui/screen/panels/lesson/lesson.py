@@ -52,10 +52,9 @@ class PageLines(NamedTuple):
     news: int
 
 
-def page_lines(
+def _page_lines(
     view: LessonView, snapshot: Snapshot, look: Look, width: int, spotlight: Spotlight | None = None
 ) -> PageLines:
-    """Return the open page without its keys."""
     page = _Page(view, snapshot, look)
     text, news = _lines(page.text(spotlight), " ", look.palette.text, width, look)
     now, _ = _lines(page.now(), _BAR, look.palette.you, width, look)
@@ -280,7 +279,7 @@ class LessonPanel(ScrolledPanel, WaitingRow):
         return self._page(snapshot.lesson, snapshot, width, height)
 
     def _page(self, view: LessonView, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        text, now, self._news = page_lines(view, snapshot, self.look, width - 1, self.spotlight)
+        text, now, self._news = _page_lines(view, snapshot, self.look, width - 1, self.spotlight)
         gap: list[Line] = [[]] if text else []
         is_spaced = len(text) + len(now) + 4 <= height
         ask = words.open_page(view.record).asked

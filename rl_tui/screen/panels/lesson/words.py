@@ -95,8 +95,7 @@ def name_of_deed(page: Page) -> str:
     return "Do" if page.task is not None else "Question"
 
 
-def asks_for_program(record: LessonRecord) -> bool:
-    """Return whether the task needs a program."""
+def _asks_for_program(record: LessonRecord) -> bool:
     task = open_page(record).task
     return task is not None and task.program is not None
 
@@ -107,15 +106,14 @@ def turns_to_truth(record: LessonRecord) -> bool:
     return ask is not None and ask.keys[:1] == ("enter",)
 
 
-def page_place(record: LessonRecord) -> str:
-    """Return the place, such as 3/9."""
+def _page_place(record: LessonRecord) -> str:
     return f"{record.lesson.number_of(record.page) + 1}/{len(record.lesson.pages)}"
 
 
 def progress(record: LessonRecord, cells: int, glyphs: Glyphs) -> str:
     """Return place and progress line."""
     done = round(cells * (record.lesson.number_of(record.page) + 1) / len(record.lesson.pages))
-    place = f"page {page_place(record).replace('/', ' of ')}"
+    place = f"page {_page_place(record).replace('/', ' of ')}"
     return f"{place} {glyphs.track_done * done}{glyphs.track_rest * (cells - done)}".rstrip()
 
 
@@ -214,7 +212,7 @@ def next_keys(
         case PageStage.TO_ANSWER:
             again = view.record.last_given_on(view.record.page) is not None
             does = ("try again",) if again else ("your answer",)
-        case PageStage.TO_DO if asks_for_program(view.record):
+        case PageStage.TO_DO if _asks_for_program(view.record):
             does = ("your program",)
         case PageStage.TO_DO:
             does = ("do it",) if takes_turns else ("your task",)
@@ -259,7 +257,7 @@ def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -
     record, palette = view.record, look.palette
     page, marks = open_page(record), list(_marks(view, snapshot, look))
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
-    place = page_place(record)
+    place = _page_place(record)
     title = page.title if page.task is None or stage_of(view, snapshot) in DONE else plain(page.task.do)
     key = Piece(look.glyphs.separated(" · enter reads"), palette.dim)
     line = spelled([Piece(f" {place} {title}", palette.strong), *tail, key], look)

@@ -131,8 +131,7 @@ _LABEL: Final = 9
 _Form = tuple[str, str, str]  # symbol, value and remark
 
 
-def step_section(words: StepWords, look: Look) -> Section:
-    """Return state, action, reward and next state."""
+def _step_section(words: StepWords, look: Look) -> Section:
     rows = [
         Labelled(label, look.palette.dim, _LABEL, Row(*(_pieces(form, look) for form in forms)))
         for label, forms in _parts(words)
@@ -275,7 +274,7 @@ def _sections(snapshot: Snapshot, story: StepStory, look: Look) -> list[Section]
         ]
     words = words_of(story, look.glyphs)
     return [
-        step_section(words, look),
+        _step_section(words, look),
         update.update_section(words, look),
         backup_section(words, look, secret=means_key(snapshot)),
         update.return_section(story, look),

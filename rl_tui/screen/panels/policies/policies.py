@@ -47,9 +47,8 @@ ENDS: Final = PolicyColumn("ends", "ending")
 FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 
 
-def policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
-    """Yield tables, from spaced bars to none."""
-    known = known_answers(snapshot)
+def _policy_tables(snapshot: Snapshot, look: Look) -> Iterator[Table]:
+    known = _known_answers(snapshot)
     figures = _figures(snapshot, known)
     found = [getattr(each, figure.id) for each in known for figure in figures if figure is not ENDS]
     needed = max((len(amount(each, look)) for each in found if each is not None), default=0)
@@ -91,7 +90,7 @@ def _bars(snapshot: Snapshot, look: Look) -> dict[int, Bar]:
 def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyColumn]:
     if snapshot.world.is_bandit:
         return [REWARD]
-    return [RETURN, VALUE, STEPS, *([ENDS] if may_not_end(known) else [])]
+    return [RETURN, VALUE, STEPS, *([ENDS] if _may_not_end(known) else [])]
 
 
 def _first(figures: Sequence[PolicyColumn], count: int) -> Sequence[PolicyColumn]:
@@ -151,7 +150,7 @@ class Policies(Panel, can_focus=True):
             return strips_of(lines, width, height, self.look)
         self.footing = self.fitting(self._hints(snapshot), width)
         lines, self._places, self.free_rows = laid(
-            policy_tables(snapshot, self.look),
+            _policy_tables(snapshot, self.look),
             list(POLICY_NAMES).index(snapshot.answers.studied),
             [Text(gap, palette.strong, rest="   ") for gap in gaps(snapshot, self.look)],
             [Text(note, palette.dim, rest="   ") for note in notes(snapshot, self.look)],
@@ -220,7 +219,7 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[str]:
     within, as_if = (f"within {limit:,} steps", f", {WITHOUT_LIMIT}") if limit else ("of an episode", "")
     yield f"return: mean {within}"
     yield f"at start: V for γ {numbers.brief(gamma, look.glyphs)}{as_if}"
-    if may_not_end(known_answers(snapshot)):
+    if _may_not_end(_known_answers(snapshot)):
         yield "ending: chance that an episode ends"
 
 
@@ -234,13 +233,11 @@ def answer_of(snapshot: Snapshot, kind: PolicyKind) -> PolicyAnswer:
     return snapshot.answers.policies.get(kind, PENDING)
 
 
-def known_answers(snapshot: Snapshot) -> list[PolicyAnswer]:
-    """Return all answers that are not hidden."""
+def _known_answers(snapshot: Snapshot) -> list[PolicyAnswer]:
     return [answer_of(snapshot, kind) for kind in POLICY_NAMES if not is_kept_back(snapshot, kind)]
 
 
-def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
-    """Return whether some episode may not end."""
+def _may_not_end(known: Iterable[PolicyAnswer]) -> bool:
     return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 

@@ -106,7 +106,6 @@ class FindingsPanel(ScrolledPanel):
 def _finding_blocks(
     finding: CodeFinding, program: ProgramView, look: Look, width: int, *, is_chosen: bool
 ) -> Iterator[Block]:
-    """Yield ``finding``, in full if it ``is_chosen``."""
     palette = look.palette
     place = words.place_text(finding.file, finding.line, program)
     style = palette.bad if finding.kind == "fault" else palette.strong

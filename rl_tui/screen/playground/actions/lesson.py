@@ -193,14 +193,13 @@ class LessonActions(Subject):
         return tuple(form for form in forms if form)
 
     @property
-    def is_asking(self) -> bool:
-        """True if the page waits for an answer."""
+    def _is_asking(self) -> bool:
         return self.record is not None and self.stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER)
 
     @property
     def idle_keys(self) -> frozenset[str]:
         """The actions to leave out of the key line."""
-        if self.is_asking:
+        if self._is_asking:
             return frozenset(each.id for each in self.screen.known_actions if each.id != "help")
         if self.record is None:
             return frozenset(each.id for each in LESSON_ACTIONS)
@@ -220,7 +219,7 @@ class LessonActions(Subject):
         if not place.is_in_view:
             self.board.zoom(None)
             place.reads = True
-        elif self.is_asking:
+        elif self._is_asking:
             self._answer()
         elif stage is PageStage.TO_DO:
             self._choose_deed()

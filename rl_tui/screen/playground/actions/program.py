@@ -38,7 +38,7 @@ class ProgramActions(Subject):
         program = self.program
         if program is None:
             return "this is a built-in agent. Yours: rl-tui watch SCRIPT.py" if action.of_program else ""
-        return action.not_for_program.format(file=file_name(program))
+        return action.not_for_program.format(file=_file_name(program))
 
     def in_order_of_help(self, panels: Sequence[PanelRow]) -> Sequence[PanelRow]:
         """Put a program's own panels first."""
@@ -47,7 +47,7 @@ class ProgramActions(Subject):
     def sets_itself(self) -> bool:
         """Refuse to change a program's settings, and return True."""
         if self.program is not None:
-            self.screen.refuse(DECIDES.format(file=file_name(self.program)))
+            self.screen.refuse(DECIDES.format(file=_file_name(self.program)))
         return self.program is not None
 
     def why_not(self, deed: str) -> str:
@@ -96,6 +96,5 @@ class ProgramActions(Subject):
             self.screen.tell(one_line(program.reloaded, _LONGEST_NEWS), timeout=_UNTIL_READ)
 
 
-def file_name(program: ProgramView) -> str:
-    """Return the file's short name, without control characters."""
+def _file_name(program: ProgramView) -> str:
     return one_line(Path(program.path).name or program.title, _LONGEST_NAME)

@@ -296,7 +296,7 @@ class PolicyDrawing(KeyMode):
             return
         self.link.send(DrawAction(state, action))
         if moves:
-            view.put_cursor(likely_cell(view.world, state, action))
+            view.put_cursor(_likely_cell(view.world, state, action))
 
     def _draw_numbered(self, view: WorldView, key: str) -> None:
         state = self._state_to_draw_in(view)
@@ -346,8 +346,7 @@ class PolicyDrawing(KeyMode):
         self.screen.tell("Your policy is cleared.")
 
 
-def likely_cell(world: World, state: int, action: int) -> int:
-    """Return the likeliest next cell."""
+def _likely_cell(world: World, state: int, action: int) -> int:
     mdp, grid, pair = world.mdp, world.drawing, world.space.pair_of(state, action)
     if mdp is None or pair is None or not isinstance(grid, Grid):
         raise ValueError("only maps with a table have a cell that an action leads to")

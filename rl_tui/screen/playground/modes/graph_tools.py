@@ -40,8 +40,7 @@ class ActionOutcome(NamedTuple):
         return len(chances_of(self.entry)) == 1
 
 
-def outcomes_in(draft: GraphDraft, state: str) -> list[ActionOutcome]:
-    """Return the state's outcomes, in the file's order."""
+def _outcomes_in(draft: GraphDraft, state: str) -> list[ActionOutcome]:
     return [
         ActionOutcome(str(entry["action"]), to, chance, _pays(entry, to), entry)
         for entry in draft.transitions
@@ -168,13 +167,13 @@ class GraphTools(rules.Toolbox[GraphDraft]):
 
     def advice(self, desk: rules.Desk[GraphDraft]) -> tuple[str, ...]:
         """Describe how to choose among several outcomes."""
-        if len(outcomes_in(desk.draft, _state(desk))) < 2:
+        if len(_outcomes_in(desk.draft, _state(desk))) < 2:
             return ()
         return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
 
     def lines(self, desk: rules.Desk[GraphDraft]) -> tuple[SheetLine, ...]:
         """Return the state's outcomes."""
-        outcomes = outcomes_in(desk.draft, _state(desk))
+        outcomes = _outcomes_in(desk.draft, _state(desk))
         chosen = self._number(desk, outcomes)
         return tuple(
             SheetLine(
@@ -191,7 +190,7 @@ class GraphTools(rules.Toolbox[GraphDraft]):
 
     def go_along(self, desk: rules.Desk[GraphDraft], step: tuple[int, int]) -> None:
         """Choose the next or previous outcome."""
-        outcomes = outcomes_in(desk.draft, _state(desk))
+        outcomes = _outcomes_in(desk.draft, _state(desk))
         if outcomes:
             self.choose_line(desk, (self._number(desk, outcomes) + sum(step)) % len(outcomes))
 
@@ -352,7 +351,7 @@ class GraphTools(rules.Toolbox[GraphDraft]):
 
     def outcome(self, desk: rules.Desk[GraphDraft]) -> ActionOutcome | None:
         """Return the chosen outcome."""
-        outcomes = outcomes_in(desk.draft, _state(desk))
+        outcomes = _outcomes_in(desk.draft, _state(desk))
         return outcomes[self._number(desk, outcomes)] if outcomes else None
 
     def _number(self, desk: rules.Desk[GraphDraft], outcomes: Sequence[ActionOutcome]) -> int:

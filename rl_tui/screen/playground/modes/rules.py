@@ -73,38 +73,37 @@ def _ask_rule(desk: Desk[Any], name: str) -> None:
     draft, now = desk.draft, rule_value(desk.draft, name)
     if name in WORDS:
         candidates = [
-            Candidate(word, word, refused=fault_of(draft, (rule_edit(name, word),), name))
+            Candidate(word, word, refused=_fault_of(draft, (_rule_edit(name, word),), name))
             for word in WORDS[name]
         ]
         title = f"{name}: {RULES[draft.kind][name]}"
         desk.ask(
-            Choice(title, candidates, now, desk.glyphs), lambda word: desk.draw((rule_edit(name, word),))
+            Choice(title, candidates, now, desk.glyphs), lambda word: desk.draw((_rule_edit(name, word),))
         )
         return
 
     def read(text: str) -> str:
-        checked(draft, rule_edit(name, text))
+        checked(draft, _rule_edit(name, text))
         return text
 
     desk.ask(
         Prompt(name, RULES[draft.kind][name], now, read),
-        lambda text: desk.draw((rule_edit(name, str(text)),)),
+        lambda text: desk.draw((_rule_edit(name, str(text)),)),
     )
 
 
 def next_word(_: object, desk: Desk[Any], name: str) -> None:
     """Set a rule to its next word."""
     words, now = WORDS[name], rule_value(desk.draft, name)
-    edit = rule_edit(name, words[(words.index(now) + 1) % len(words)] if now in words else words[0])
-    fault = fault_of(desk.draft, (edit,), name)
+    edit = _rule_edit(name, words[(words.index(now) + 1) % len(words)] if now in words else words[0])
+    fault = _fault_of(desk.draft, (edit,), name)
     if fault:
         desk.tell(f"{name} stays {now}: {fault}")
     else:
         desk.draw((edit,))
 
 
-def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
-    """Return why ``edits`` to a rule are impossible, or ""."""
+def _fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
     before = draft.findings
     try:
         for edit in edits:
@@ -123,13 +122,12 @@ def checked(draft: Draft, edit: Edit) -> tuple[Edit]:
     Raises:
         ValueError: It is impossible.
     """
-    if fault := fault_of(draft, (edit,), edit.name):
+    if fault := _fault_of(draft, (edit,), edit.name):
         raise ValueError(fault)
     return (edit,)
 
 
-def rule_edit(name: str, text: str) -> Edit:
-    """Return an edit that sets a rule."""
+def _rule_edit(name: str, text: str) -> Edit:
     value = text.strip()
     if BETWEEN in value or value.startswith(JSON_BEGINS):
         try:
