@@ -31,7 +31,7 @@ from rl_tui.runs.recipe import begin
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.opening import DrawingStart, Opener, Start, beginning_of
 from rl_tui.screen.frame.action_screen import ActionScreen
-from rl_tui.screen.frame.message_line import Messages, complain
+from rl_tui.screen.frame.message_line import Messages, complaining
 from rl_tui.screen.keys.bindings import bindings_everywhere, stopping_keys
 from rl_tui.screen.terminal.driver_choice import driver_class
 from rl_tui.screen.terminal.ending import HUNG_UP, end_on_signal
@@ -262,18 +262,13 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def on_lessons_screen_lesson_chosen(self, event: LessonsScreen.LessonChosen) -> None:
         """Go to a lesson's playground."""
-        try:
+        with complaining(self):
             self._go_to(self._opener.first_screen(event.start))
-        except UserError as fault:
-            complain(self, fault)
 
     async def on_playground_setup_wanted(self, event: Playground.SetupWanted) -> None:
         """Go to another lesson page's setup."""
-        try:
+        with complaining(self):
             record = await asyncio.to_thread(_built, event.record)
-        except UserError as fault:
-            complain(self, fault)
-        else:
             self._go_to(self._opener.other_setup(record))
 
     async def on_lesson_wanted(self, event: LessonWanted) -> None:
@@ -305,11 +300,8 @@ class RlTuiApp(LinkedApp[UserError]):
         ids = [scenario.id for scenario in known]
         unlisted = min(0, -event.offset)
         here = ids.index(event.recipe.scenario.id) if event.recipe.scenario.id in ids else unlisted
-        try:
+        with complaining(self):
             recipe = recipe_for(known[(here + event.offset) % len(known)], {}, event.recipe.seed)
-        except UserError as fault:
-            complain(self, fault)
-        else:
             self._go_to(self._opener.next_playground(recipe))
 
     def on_playground_reopened(self, event: Playground.Reopened) -> None:
@@ -371,7 +363,7 @@ class RlTuiApp(LinkedApp[UserError]):
         from rl_tui.screen.catalogue.catalogue import CatalogueScreen
         from rl_tui.screen.playground.actions.next_lesson import LessonWanted
 
-        try:
+        with complaining(self):
             if isinstance(found, Scenario):
                 self._opener.close()
                 self._go_to(self._opener.next_playground(recipe_for(found, {}, 0)))
@@ -381,8 +373,6 @@ class RlTuiApp(LinkedApp[UserError]):
                 self.post_message(CatalogueScreen.Resumed(found, record))
             else:
                 self.post_message(LessonWanted(found))
-        except UserError as fault:
-            complain(self, fault)
 
     async def action_suspend_process(self) -> None:  # type: ignore[override]
         """Suspend if a shell can resume."""

@@ -56,7 +56,7 @@ from rl_tui.screen.catalogue.scenario_list import (
 )
 from rl_tui.screen.catalogue.session_text import SavedSessions, SessionList
 from rl_tui.screen.frame.key_line import KeyLine
-from rl_tui.screen.frame.message_line import complain
+from rl_tui.screen.frame.message_line import complaining
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
@@ -421,10 +421,8 @@ class CatalogueScreen(SavedSessions):
             self.post_message(self.LessonsWanted(entry.id))
 
     def _open(self, scenario: Scenario, *, watches: bool = False) -> None:
-        try:
+        with complaining(self.app):
             self.post_message(self.Opened(recipe_for(scenario, {}, _SEED), watches))
-        except UserError as fault:
-            complain(self.app, fault)
 
     def action_new_world(self) -> None:
         """Ask for a kind of world, then edit it."""

@@ -37,7 +37,7 @@ from rl_tui.live.sessions.session import StoredSession
 from rl_tui.runs.recipe import begin
 from rl_tui.screen.catalogue.facts import faults_text, labelled, minutes_of_page
 from rl_tui.screen.catalogue.scenario_list import Heading, ListRow, ListScreen, faulty_row
-from rl_tui.screen.frame.message_line import complain
+from rl_tui.screen.frame.message_line import complaining
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
@@ -315,11 +315,8 @@ class LessonsScreen(ListScreen):
             self.run_worker(self._open(entry), name="open the lesson", exclusive=True, group="open")
 
     async def _open(self, entry: LessonEntry) -> None:
-        try:
+        with complaining(self.app):
             start = await asyncio.to_thread(start_of, entry.lesson, entry.progress)  # may import Gymnasium
-        except UserError as fault:
-            complain(self.app, fault)
-        else:
             self.post_message(self.LessonChosen(start))
 
     def action_begin_again(self) -> None:

@@ -29,7 +29,7 @@ from rl_tui.screen.catalogue.facts import FullWidth, labelled
 from rl_tui.screen.catalogue.scenario_list import ListScreen
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.frame.message_line import complain
+from rl_tui.screen.frame.message_line import complaining
 from rl_tui.screen.kit.bindings import RowList
 from rl_tui.screen.theme.look import Look
 
@@ -310,11 +310,8 @@ class SavedSessions(ListScreen):
         self.run_worker(self._resume(session), name="resume the session", exclusive=True, group="resume")
 
     async def _resume(self, session: StoredSession) -> None:
-        try:
+        with complaining(self.app):
             record = await asyncio.to_thread(session.record)  # may import Gymnasium
-        except UserError as fault:
-            complain(self.app, fault)
-        else:
             self.post_message(self.Resumed(session, record))
 
     def ask_to_delete(self, session: StoredSession) -> None:
@@ -324,10 +321,8 @@ class SavedSessions(ListScreen):
         def delete(answer: bool | None) -> None:
             if not answer:
                 return
-            try:
+            with complaining(self.app):
                 remove(session)
-            except UserError as fault:
-                complain(self.app, fault)
             self._read_sessions()
 
         question = f"Delete the session {session.title}, at step {session.step:,}? This cannot be undone."

@@ -76,15 +76,8 @@ def export_choice(snapshot: Snapshot, glyphs: Glyphs) -> Choice:
 
 def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
     """Ask for a new file, proposing ``name``."""
-
-    def read(text: str) -> str:
-        try:
-            return str(new_path(text))
-        except UserError as fault:
-            raise ValueError(str(fault)) from fault
-
     hint = "The name of a new file, in this folder unless you name another."
-    return Prompt(glyphs.spelled(title), hint, name, read, "write")
+    return Prompt(glyphs.spelled(title), hint, name, lambda text: str(new_path(text)), "write")
 
 
 class CommandLine(Dialog[str]):

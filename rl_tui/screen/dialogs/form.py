@@ -16,6 +16,7 @@ from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
+from rl_tui.common.errors import UserError
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.kit.bindings import RowList, as_sentence
@@ -40,7 +41,7 @@ _BLANK_FROM: Final = 24  # rows of the screen: there is a blank row above the th
 _LONGEST: Final = 1_000  # characters: a pasted book is cut off
 
 Reader = Callable[[str], float | str]
-"""Turns typed text into a value, or raises ValueError with what was expected."""
+"""Turns typed text into a value, or raises a ValueError or UserError with what was expected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ class TypedLine:
         """Return the error as a sentence, or ""."""
         try:
             self.read(text)
-        except ValueError as fault:
+        except (ValueError, UserError) as fault:
             return as_sentence(str(fault))
         return ""
 

@@ -5,8 +5,8 @@ High screens keep a free row for it. On lower ones it replaces most of the key l
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Any, Final
 
 from rich.cells import cell_len
@@ -19,6 +19,7 @@ from textual.screen import Screen
 from textual.widget import MountError
 from textual.widgets import Static
 
+from rl_tui.common.errors import UserError
 from rl_tui.screen.draw.canvas import shortened, wrapped
 from rl_tui.screen.frame.shape import MESSAGE_HEIGHT
 from rl_tui.screen.keys.action import Action
@@ -46,6 +47,15 @@ def tell(app: App[Any], message: str, severity: SeverityLevel, timeout: float | 
 def complain(app: App[Any], fault: object) -> None:
     """Show an error until escape."""
     app.notify(str(fault), severity="error", markup=False)
+
+
+@contextmanager
+def complaining(app: App[Any]) -> Iterator[None]:
+    """Show an error of the user, which ends the block."""
+    try:
+        yield
+    except UserError as fault:
+        complain(app, fault)
 
 
 class Messages:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from rl_tui.common.errors import UserError
 from rl_tui.common.files import free_name, write_new
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.edited_world import drawn_recipe
@@ -17,7 +16,7 @@ from rl_tui.runs.training.seeded_runs import OnProgress, no_progress
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.board.wanted import in_force
 from rl_tui.screen.dialogs import export
-from rl_tui.screen.frame.message_line import complain
+from rl_tui.screen.frame.message_line import complain, complaining
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
@@ -38,7 +37,7 @@ class ExportActions(Subject):
             self.ask(export.export_choice(snapshot, self.glyphs), partial(self._export, snapshot))
 
     def _export(self, snapshot: Snapshot, what: str) -> None:
-        try:
+        with complaining(self.screen.app):
             if what == export.COMMAND:
                 self._show_command(snapshot)
             elif what == export.SCRIPT:
@@ -50,8 +49,6 @@ class ExportActions(Subject):
                     what in (export.Q_CSV, export.Q_ARRAY) and snapshot.agent.part is not None
                 )
                 self._ask_file(snapshot, what, write, takes_time=is_slow)
-        except UserError as fault:
-            complain(self.screen.app, fault)
 
     def _show_command(self, snapshot: Snapshot) -> None:
         world = _first_world(snapshot) or begin(snapshot.recipe).world
@@ -94,11 +91,8 @@ class ExportActions(Subject):
         self.ask(export.ask_new_file(title, name, self.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:
-        try:
+        with complaining(self.screen.app):
             write(path, no_progress)
-        except UserError as fault:
-            complain(self.screen.app, fault)
-        else:
             self._say_written(path, "")
 
     def _say_written(self, path: Path, fault: str | None) -> None:

@@ -106,12 +106,7 @@ def _read_name(text: str) -> str:
     if not is_file_name(name):
         raise ValueError("a name such as my_agent.py: letters, digits, - and _, in this folder")
     path = Path(name).absolute()
-    if path.is_file():
-        return str(path)
-    try:
-        return str(new_path(str(path)))
-    except UserError as fault:
-        raise ValueError(str(fault)) from fault
+    return str(path if path.is_file() else new_path(str(path)))
 
 
 # Typed numbers

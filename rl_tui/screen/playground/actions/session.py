@@ -16,7 +16,7 @@ from rl_tui.live.sessions.session import OTHER_BITS, SessionError, StoredSession
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.form import Prompt
-from rl_tui.screen.frame.message_line import complain
+from rl_tui.screen.frame.message_line import complaining
 from rl_tui.screen.panels.status_line import StatusLine
 from rl_tui.screen.playground.modes.mode import Modes
 
@@ -87,10 +87,7 @@ class SessionActions(Subject):
             return
 
         def read(text: str) -> str:
-            try:
-                path = named_path(autosave.folder, text)
-            except UserError as fault:
-                raise ValueError(str(fault)) from fault
+            path = named_path(autosave.folder, text)
             if path != autosave.path and path.exists():
                 raise ValueError("another session has this name: type a new one")
             return text.strip()
@@ -102,11 +99,8 @@ class SessionActions(Subject):
         self.ask(Prompt("Save the session as", hint, autosave.title, read, "save"), save)
 
     async def _save(self, autosave: Autosave, name: str) -> None:
-        try:
+        with complaining(self.screen.app):
             path = await asyncio.to_thread(autosave.save_as, name)
-        except UserError as fault:
-            complain(self.screen.app, fault)
-        else:
             self.screen.tell(f"saved: {path}", timeout=8)
             self.show_name()
 

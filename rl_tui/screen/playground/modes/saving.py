@@ -12,7 +12,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.export.scenario_file import ScenarioFile, file_of, offered_name, path_named
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.form import Candidate, Choice, Prompt
-from rl_tui.screen.frame.message_line import complain
+from rl_tui.screen.frame.message_line import complain, complaining
 
 _OVER: Final = "over"
 _ELSEWHERE: Final = "elsewhere"
@@ -42,10 +42,7 @@ class ScenarioSaving(Subject):
 
     def _ask_name(self, snapshot: Snapshot, file: ScenarioFile, text: str, name: str) -> None:
         def read(typed: str) -> str:
-            try:
-                return str(path_named(typed, file))
-            except UserError as fault:
-                raise ValueError(str(fault)) from fault
+            return str(path_named(typed, file))
 
         def write(chosen: float | str) -> None:
             path = Path(str(chosen))
@@ -72,9 +69,6 @@ class ScenarioSaving(Subject):
         self.ask(Choice(f"Save: {name} has changed meanwhile", (elsewhere, over), "", self.glyphs), answer)
 
     def _write(self, file: ScenarioFile, path: Path, text: str) -> None:
-        try:
+        with complaining(self.screen.app):
             self._file = file.written(path, text)
-        except UserError as fault:
-            complain(self.screen.app, fault)
-        else:
             self.screen.tell(f"saved: {path}")
