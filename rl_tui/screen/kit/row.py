@@ -59,7 +59,7 @@ class PanelRow:
     title: str
     help: str
     caption: str = ""
-    terms: tuple[str, ...] = ()
+    words: str = ""
     opened_by: OpeningKey | None = None
     wide_rows: int = 0
     has_border: bool = True
@@ -70,6 +70,11 @@ class PanelRow:
     of_drawing: bool = False
     shows: tuple[str, ...] = ()
     lacks: Callable[[Snapshot], str] = lambda _: ""
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """The ids of its ``words`` in the glossary."""
+        return tuple(self.words.split())
 
     def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
         """Make the panel, hidden if a key opens it."""

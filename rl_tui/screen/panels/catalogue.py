@@ -38,7 +38,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "and pgup turn pages, and h shows a hint. A task lists its conditions. ✓ marks a condition that is "
         "true, ○ one that is not true yet, and … one that is not known yet.",
         caption="read, predict, do, compare",
-        terms=("agent", "state", "action", "reward", "policy", "value", "return"),
+        words="agent state action reward policy value return",
         of_lesson=True,
     ),
     PanelRow(
@@ -50,10 +50,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "cliff, S start, · no greedy action yet. A frame marks the last update. ◤ marks a difference between "
         "two runs. A bandit's arm shows its estimate ± standard error.",
         caption="where the agent acts",
-        terms=(
-            *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
-            *("arm", "standard-error", "trail", "slip", "wind"),
-        ),
+        words="agent state action reward value greedy terminal ties policy mdp arm standard-error trail "
+        "slip wind",
         is_twofold=True,
     ),
     PanelRow(
@@ -65,7 +63,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Sliders set the rules of the world, and the values of the cell under the cursor. Dim tools are not "
         "available now.",
         caption="brushes, values and rules",
-        terms=("slip", "wind", "reward", "truncated", "mdp", "arm"),
+        words="slip wind reward truncated mdp arm",
         of_drawing=True,
     ),
     PanelRow(
@@ -76,7 +74,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "action. ▐ marks the last update: ▴ the estimate rose, ▾ it fell. A dot means never tried. v shows "
         "the exact Q*, the error Q−Q*, visits and the landscape. <.01 and 0⁺ are almost 0.",
         caption="what each action seems worth",
-        terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
+        words="q pair greedy agent target q-star error visits ties optimism",
         is_twofold=True,
     ),
     PanelRow(
@@ -88,10 +86,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "values outside the axis. The chart shows steps if all returns are equal, V's error if no state has "
         "two actions.",
         caption="what each episode has earned",
-        terms=(
-            *("return", "episode", "greedy", "last-100", "gamma-best"),
-            *("best-arm", "gap", "explore", "discounted-return", "sweep"),
-        ),
+        words="return episode greedy last-100 gamma-best best-arm gap explore discounted-return sweep",
     ),
     PanelRow(
         row.TIMELINE,
@@ -101,7 +96,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Continue from there, or change something to begin a branch. ★ first reward, ┃ new greedy policy, "
         "◆ edited world, ▾ changed setting, ╍ your own steps, ┆ start of the branch.",
         caption="go back in the run",
-        terms=("branch", "episode", "seed"),
+        words="branch episode seed",
         has_border=False,
     ),
     PanelRow(
@@ -113,10 +108,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Winnings depend on luck, and regret does not. So winnings plus regret can differ from the best "
         "possible sum.",
         caption="what the pulls earned",
-        terms=(
-            *("winnings", "regret", "best-possible", "best-arm-share", "best-arm"),
-            *("bandit", "arm", "reward", "step"),
-        ),
+        words="winnings regret best-possible best-arm-share best-arm bandit arm reward step",
     ),
     PanelRow(
         row.CONTROLS,
@@ -127,10 +119,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Changes apply from the next step. A new initial Q (r i) or seed (r s) restarts the run. a o shows "
         "all settings.",
         caption="its settings and sliders",
-        terms=(
-            *("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
-            "flip-point",
-        ),
+        words="alpha gamma epsilon policy off-policy on-policy ties optimism seed flip-point",
     ),
     PanelRow(
         row.PROGRAM,
@@ -141,7 +130,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "other than 0. a f shows errors, a w shows output, a b chooses another table. Save the file to "
         "restart it.",
         caption="your own code, watched",
-        terms=("program", "finding", "informative-step", "departs", "alpha", "gamma", "target"),
+        words="program finding informative-step departs alpha gamma target",
         of_program=True,
     ),
     PanelRow(
@@ -153,10 +142,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "the range of all estimates. If a step changes many estimates, the panel shows one and counts the "
         "others.",
         caption="action, result and update",
-        terms=(
-            *("td-error", "target", "bootstrap", "alpha", "gamma"),
-            *("reward", "terminal", "truncated", "lambda"),
-        ),
+        words="td-error target bootstrap alpha gamma reward terminal truncated lambda",
     ),
     PanelRow(
         row.CAPTION,
@@ -166,7 +152,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "and in your first runs, while panels appear one by "
         "one.",
         caption="what is being learned",
-        terms=("state", "value", "reward", "policy", "greedy"),
+        words="state value reward policy greedy",
         has_border=False,
     ),
     PanelRow(
@@ -178,10 +164,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "moves towards the target of the real outcome. The expected target is the mean over all outcomes. "
         "The history shows the cell under the cursor, otherwise the updated cell.",
         caption="the last step in detail",
-        terms=(
-            *("backup", "bellman", "target", "td-error"),
-            *("bootstrap", "discounted-return", "return", "q-star"),
-        ),
+        words="backup bellman target td-error bootstrap discounted-return return q-star",
         opened_by=OpeningKey("d", "microscope", "Open the last step under the microscope.", rank=9),
         shows=("model",),
     ),
@@ -193,7 +176,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "estimate, and the Bellman equation of its exact value. ↑ and ↓ choose the state, ← and → the "
         "action. The world marks s, a and each possible s′. A cursor in world or table chooses a pair too.",
         caption="what the world can do",
-        terms=("model", "mdp", "state", "action", "reward", "gamma", "pair", "bellman", "q-star"),
+        words="model mdp state action reward gamma pair bellman q-star",
         opened_by=OpeningKey("w m", "model", "Show the outcomes of each state–action pair."),
         shows=("model",),
     ),
@@ -206,10 +189,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "compared seed by seed: the brackets show the difference ± three standard errors. After you change "
         "a setting, enter repeats the study.",
         caption="luck, or a real difference?",
-        terms=(
-            *("standard-error", "many-seeds", "paired-difference", "seed"),
-            *("lane", "regret", "last-100", "greedy"),
-        ),
+        words="standard-error many-seeds paired-difference seed lane regret last-100 greedy",
         opened_by=OpeningKey("t m", "many seeds", "Repeat this run with many other seeds.", old="M"),
         wide_rows=12,
         not_for_program="this is for built-in agents. For yours: rl-tui grade {file}",
@@ -224,7 +204,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "v shows all actions. Arrows choose a flip point. enter moves γ past it. Limit: worlds of up to 100 "
         "states.",
         caption="where the optimal actions change",
-        terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
+        words="gamma flip-point turns-the-way optimal-values-by-gamma earned-at-flip q-star",
         opened_by=OpeningKey(
             "t g", "flip points", "Show each γ at which the optimal actions change.", old="G"
         ),
@@ -241,10 +221,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "World and curve show the policy under the cursor. enter closes the panel but keeps showing that "
         "policy. The agent does not use it.",
         caption="exact return of each policy",
-        terms=(
-            *("policy-value", "policy-return", "exploring-cost", "behaviour", "greedy", "uniform-policy"),
-            *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
-        ),
+        words="policy-value policy-return exploring-cost behaviour greedy uniform-policy q-pi "
+        "value-at-start expected-steps chance-of-ending bellman-expectation",
         opened_by=OpeningKey("t p", "policies", "Compare policies by their exact return.", old="P"),
         shows=("policies",),
         lacks=_without_table,
@@ -258,10 +236,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "algorithm is trained briefly, to see whether its greedy policy may never end. This part is a "
         "trial, not a proof.",
         caption="does this world work?",
-        terms=(
-            *("uniform-policy", "best-by-clock", "fewest-steps", "first-update", "flip-point"),
-            *("unreached", "no-way-out", "return", "greedy", "truncated"),
-        ),
+        words="uniform-policy best-by-clock fewest-steps first-update flip-point unreached no-way-out "
+        "return greedy truncated",
         opened_by=OpeningKey("w c", "world check", "Check the world for traps and dead ends.", old="Q"),
         not_for_program="not available for scripts. In a shell: rl-tui check --deep",
         shows=("policies", "why", "flips", "answer"),
@@ -276,7 +252,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "your code. Risk: your code has found no reward, but random actions would have found one. enter goes "
         "to the first step that shows the problem.",
         caption="what is wrong, and where",
-        terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
+        words="finding program departs informative-step bootstrap terminal truncated",
         opened_by=OpeningKey("a f", "findings", "Show what is wrong with your program.", old="F"),
         of_program=True,
     ),
@@ -288,7 +264,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "(errors and warnings), and the traceback of an exception is at the end. The view follows the last "
         "line until you scroll up. Press end to follow again.",
         caption="what your program wrote",
-        terms=("program", "step", "finding"),
+        words="program step finding",
         opened_by=OpeningKey("a w", "output", "Show what your program wrote, and its traceback.", old="O"),
         of_program=True,
     ),
