@@ -15,44 +15,27 @@ DECIDES: Final = "your program sets this. Edit {file} and save: it restarts"
 _NO_ENTRY: Final = ("", "")
 _ITS_SEED: Final = "the seed is set at the start: rl-tui watch {file} --seed N"
 
-LESSON_ACTIONS: Final[tuple[Action, ...]] = (
+_LESSON: Final[tuple[Action, ...]] = (
     Action("lesson.go_on", "enter", "go on", "Do what the page asks: read on, or answer.").also(
-        group=Group.LESSON,
-        old="A,R",
-        aliases="lesson page learn text read answer predict prediction question impossible claim",
-        needs_world=True,
-        of_lesson=True,
+        old="A,R", aliases="lesson page learn text read answer predict prediction question impossible claim"
     ),
     Action("lesson.next_page", "pagedown", "next page", "Scroll down, then go to the next page.").also(
-        group=Group.LESSON,
         symbol="pgdn",
         old="full_stop",
         rank=1,
         is_first=True,
         hint=("pgdn pgup", "page"),
         aliases="lesson skip forward",
-        needs_world=True,
-        of_lesson=True,
     ),
     Action(
         "lesson.previous_page", "pageup", "previous page", "Scroll up, then go to the previous page."
-    ).also(
-        group=Group.LESSON,
-        symbol="pgup",
-        old="comma",
-        aliases="lesson back previous",
-        needs_world=True,
-        of_lesson=True,
-    ),
+    ).also(symbol="pgup", old="comma", aliases="lesson back previous"),
     Action("lesson.hint", "h", "hint", "Show the next hint of the task, then the solution.").also(
-        group=Group.LESSON,
-        old="H",
-        rank=2,
-        is_first=True,
-        aliases="lesson help solution",
-        needs_world=True,
-        of_lesson=True,
+        old="H", rank=2, is_first=True, aliases="lesson help solution"
     ),
+)
+LESSON_ACTIONS: Final = tuple(
+    each.also(group=Group.LESSON, needs_world=True, of_lesson=True) for each in _LESSON
 )
 
 _RUN: Final[tuple[Action, ...]] = (
