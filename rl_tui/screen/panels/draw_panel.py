@@ -321,16 +321,12 @@ class DrawPanel(Container, BoardPanel):
         yield Container(id="world-numbers")
         yield self._rest
 
-    def redraw(self) -> None:
-        """Write the border. :meth:`show_sheet` sets the contents."""
-        self._write_border()
-
     def show_sheet(self, sheet: ToolSheet) -> None:
         """Show ``sheet`` without moving a dragged slider."""
         before, self._sheet = self._sheet, sheet
         self._lay_out()
         if _parameters(before.numbers) != _parameters(sheet.numbers):
-            self._write_border()
+            self.redraw()
             self.run_worker(self._replace_sliders(), exclusive=True)
             return
         for slider, number in zip(self.sliders, sheet.numbers, strict=False):
@@ -345,7 +341,7 @@ class DrawPanel(Container, BoardPanel):
     def on_resize(self) -> None:
         """Refit everything."""
         self._lay_out()
-        self._write_border()
+        self.redraw()
 
     def _lay_out(self) -> None:
         width, height = self.size
@@ -364,7 +360,8 @@ class DrawPanel(Container, BoardPanel):
         if self._tools.parent is not None:
             self.query_one("#world-numbers").styles.height = room.sliders
 
-    def _write_border(self) -> None:
+    def redraw(self) -> None:
+        """Write the border. :meth:`show_sheet` sets the contents."""
         count = len(self._sheet.numbers)
         keys = f" · 1–{count}: sliders" if count > 1 else " · 1: slider" if count else ""
         titles = (f"Draw · {self.caption}{keys}", f"Draw{keys}", "Draw")[not self.is_explained :]
