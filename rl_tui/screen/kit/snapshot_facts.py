@@ -20,6 +20,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 SHOWN_BY_KEY: Final = "w h shows"
 ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact values"
 ANSWER_KEPT: Final = "the lesson hides it for now"
+BEING_BUILT: Final = "the world is being built"
 
 _MOST_JUDGED: Final = 2_500  # pairs
 _FASTEST_FOLLOWED: Final = 30.0  # steps per second: faster single steps would only flicker

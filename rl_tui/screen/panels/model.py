@@ -28,6 +28,7 @@ from rl_tui.screen.kit.pointing import NOWHERE, Pointed
 from rl_tui.screen.kit.scrolling import Scrolled, ScrolledPanel, page_bindings
 from rl_tui.screen.kit.snapshot_facts import (
     ANSWER_KEPT,
+    BEING_BUILT,
     answer_key,
     has_estimates,
     hides_means,
@@ -104,9 +105,6 @@ def _learned(snapshot: Snapshot, pair: int, taken: int, look: Look) -> str:
     if mdp is None or exact is None or is_secret(snapshot) or not math.isfinite(x):
         return numbers.value(x, 7, look.glyphs)
     return column_figure(x, decimals_of(mdp, exact, pair), look.glyphs)
-
-
-# The outcomes
 
 
 def _outcomes(world: World, mdp: TabularMDP, pair: int, look: Look, *, secret: bool) -> Table:
@@ -315,12 +313,6 @@ def _listed(items: Sequence[str], room: int, look: Look, *, has_more: bool = Fal
     return between.join([*shown, *([look.glyphs.ellipsis] if has_more else [])])
 
 
-# The panel
-
-
-WAITING: Final = "the world is being built"
-
-
 class ModelPanel(ScrolledPanel):
     """⟨S, A, P, R, γ⟩ above one pair."""
 
@@ -364,7 +356,7 @@ class ModelPanel(ScrolledPanel):
     def blocks(self, snapshot: Snapshot | None, left_out: int) -> Iterator[Block]:
         """Yield pair and model, without lists if short of space."""
         if snapshot is None or self.pair is None:
-            yield Text(WAITING, self.look.palette.dim)
+            yield Text(BEING_BUILT, self.look.palette.dim)
             return
         yield from pair_blocks(snapshot, self.pair, self.look)
         yield BLANK

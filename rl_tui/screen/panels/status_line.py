@@ -14,14 +14,13 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, strips_of
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.snapshot_facts import episode_shown
+from rl_tui.screen.kit.snapshot_facts import BEING_BUILT, episode_shown
 from rl_tui.screen.panels.controls.settings import speed_text
 from rl_tui.screen.panels.program.words import name_of
 from rl_tui.screen.theme.look import Look
 
 WIDE: Final = 98  # columns between the margins of a broad screen
 SMALL: Final = 70
-WAITING: Final = "the world is being built"
 PROGRAM_ENDED: Final = "your program has ended"
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
@@ -130,9 +129,9 @@ def waiting_line(
             return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.strong)]
         return _waiting(snapshot, text, look, width)
     if snapshot is None:
-        room = width - len(f"   {WAITING}")
+        room = width - len(f"   {BEING_BUILT}")
         title = shortened(glyphs.separated(scenario), max(0, room), glyphs.ellipsis)
-        return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {WAITING}", palette.dim)]
+        return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {BEING_BUILT}", palette.dim)]
     if snapshot.playback.phase is Phase.STOPPED:
         said = snapshot.playback.message
         # the error of a program matters more than the fact that it stopped, which has a sign

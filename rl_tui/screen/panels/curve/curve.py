@@ -27,7 +27,13 @@ from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of,
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast, studied_answer
+from rl_tui.screen.kit.snapshot_facts import (
+    BEING_BUILT,
+    has_estimates,
+    is_new_run,
+    passes_too_fast,
+    studied_answer,
+)
 from rl_tui.screen.panels.curve import area as areas
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, is_over, unit_of
 from rl_tui.screen.panels.curve.seed_band import lane_cells, seed_cells, seed_remark, with_room_for
@@ -274,9 +280,6 @@ def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, in
     return [*zip(with_value, rows, strict=True), *zip(downwards[len(with_value) :], free, strict=False)]
 
 
-# The curve in one row
-
-
 def _spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str) -> Line:
     columns = width - cell_len(words) - 2
     if columns < 1 or not len(data.mean.means):
@@ -287,7 +290,6 @@ def _spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: st
     return [Piece(signs, look.palette.episodes), Piece(f"  {words}", look.palette.dim)]
 
 
-WAITING: Final = "the world is being built"
 Words = tuple[str, ...]
 
 
@@ -350,7 +352,7 @@ class ReturnCurve(Panel, can_focus=True):
         """Draw the curve."""
         if snapshot is None:
             self.heading = self.fitting([TITLES[self._unit]], width)
-            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+            return strips_of([[Piece(f" {BEING_BUILT}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot)
         scale = self._settled(data, snapshot)
         if height == 1:

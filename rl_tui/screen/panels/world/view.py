@@ -23,7 +23,7 @@ from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, layer_numbers, veils_exact, world_layer
 from rl_tui.screen.kit.panel import AGENT, BORDER_ENDS, BoardPanel, Legend, LegendSign, agent_meaning
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed
-from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
+from rl_tui.screen.kit.snapshot_facts import BEING_BUILT, is_new_run, passes_too_fast
 from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.policies.studied import policy_ink
@@ -36,7 +36,6 @@ from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
-WAITING: Final = "the world is being built"
 SCALE_ROOM: Final = 28  # cells, in the line below the picture
 _LEAST_RESULTS: Final = 18  # columns
 _GAP: Final = 3  # columns
@@ -303,7 +302,7 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def _waiting(self, width: int, height: int) -> list[Strip]:
         canvas = Canvas(width, height, self.look.palette.text)
-        text = shortened(WAITING, width, self.look.glyphs.ellipsis)
+        text = shortened(BEING_BUILT, width, self.look.glyphs.ellipsis)
         canvas.put((width - len(text)) // 2, (height - 1) // 2, text, self.look.palette.dim)
         return canvas.strips()
 
