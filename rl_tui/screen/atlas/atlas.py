@@ -183,9 +183,6 @@ def _value_name(variation: Variation, place: int) -> str:
     return value if isinstance(value, str) else f"{value:.4g}"
 
 
-# The widget with a cursor
-
-
 class AtlasMap(Widget, can_focus=True):
     """The picture of ``scene``, with a cursor."""
 

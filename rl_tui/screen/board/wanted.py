@@ -90,9 +90,6 @@ def in_force(snapshot: Snapshot) -> Recipe:
     )
 
 
-# The link to the player
-
-
 class PlayerLink:
     """Sends commands, and holds the newest snapshot."""
 

@@ -263,9 +263,6 @@ class Filter(Horizontal):
         self.query_one("#filter-found", Static).update(self._look.glyphs.separated(found))
 
 
-# A screen with lists
-
-
 class ListScreen(ActionScreen):
     """A screen whose rows are read after the first paint. ``sessions``: their folder."""
 

@@ -250,9 +250,6 @@ class SessionList(RowList):
                 yield Option(Text(f"{name}\n  faulty", no_wrap=True))
 
 
-# A screen with sessions
-
-
 class SavedSessions(ListScreen):
     """A screen with the sessions from the folder ``sessions``."""
 

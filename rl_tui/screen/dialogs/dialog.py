@@ -19,9 +19,6 @@ from rl_tui.screen.kit.panel import key_at
 from rl_tui.screen.terminal.linked_app import LinkedApp
 from rl_tui.screen.theme.glyphs import Glyphs
 
-# The base of all dialogs
-
-
 Result = TypeVar("Result")
 _BORDER_END: Final = 3  # a blank, a piece of line and the corner
 
@@ -63,9 +60,6 @@ class Dialog(ModalScreen[Result | None]):
     def action_cancel(self) -> None:
         """Close without an answer."""
         self.dismiss(None)
-
-
-# Yes or no
 
 
 class Confirm(Dialog[bool]):

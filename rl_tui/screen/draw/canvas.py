@@ -14,8 +14,6 @@ from textual.strip import Strip
 
 from rl_tui.screen.theme.look import Look
 
-# A sheet of cells
-
 
 class Canvas:
     """Width × height cells. Everything outside is clipped."""

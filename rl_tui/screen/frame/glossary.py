@@ -215,9 +215,6 @@ def _panels_of(widget: Widget) -> Iterator[PanelRow]:
     return (row for row in PANELS if row.id in ids or beside(row.id) in ids)
 
 
-# The pages of ?
-
-
 class HelpPages:
     """The pages of ``?`` about ``screen``."""
 

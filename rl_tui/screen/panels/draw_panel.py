@@ -297,9 +297,6 @@ def _text(cell: ToolCell, glyphs: Glyphs) -> str:
     return glyphs.spelled(f"{cell.shown} {cell.word}".strip())
 
 
-# The panel
-
-
 class DrawPanel(Container, BoardPanel):
     """Tools, and a slider for each number.
 

@@ -27,8 +27,6 @@ LEAST_WITH_TITLES: Final = 14
 BINS: Final = "Bins"
 ALL_SEEN: Final = "all the agent sees"
 
-# The size of margins
-
 
 class Margins(NamedTuple):
     """Columns of labels left of a map, rows of body and labels above."""
@@ -83,9 +81,6 @@ def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Ma
         most = 2 if wanted.body or is_high else 1
         return Margins(left, wanted.body, min(wanted.labels, most))
     return Margins(left, min(_most_body(grid), down - labels) if wanted.body else 0, labels)
-
-
-# The labels
 
 
 class LabelledPart(NamedTuple):

@@ -42,8 +42,6 @@ from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
 from rl_tui.worlds.world import Prospect, World
 
-# The graph while it is edited
-
 
 def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) -> GraphShape | None:
     """Return the draft's shape if it visibly differs.

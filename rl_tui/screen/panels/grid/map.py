@@ -26,8 +26,6 @@ from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-# Cells that cannot be reached
-
 
 def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
     """Return unreachable cells, except cliffs, which put the agent back at once.

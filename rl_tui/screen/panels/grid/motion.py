@@ -198,9 +198,6 @@ def _chip_of(snapshot: Snapshot, last: LastStep, grid: Grid) -> Chip | None:
     return Chip(number, not bootstraps, (end[0] - start[0], end[1] - start[1]))
 
 
-# The timer
-
-
 class Mover:
     """A map's motion, driven by a timer of the app."""
 

@@ -73,9 +73,6 @@ def _leaf_rows(world: World) -> int:
     return 1 if world.mdp is None else min(_most_outcomes(world.mdp), MOST_LEAVES)
 
 
-# The tree
-
-
 def _tree(world: World, backup: Backup, look: Look, *, secret: bool) -> Iterator[Block]:
     palette, glyphs = look.palette, look.glyphs
     leaves = sorted(backup.leaves, key=lambda leaf: shown_place(world, leaf.action))
@@ -104,9 +101,6 @@ def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
     ranked = sorted(enumerate(leaves), key=lambda each: (not each[1].happened, -(each[1].probability or 0.0)))
     kept, left_out = ranked[: MOST_LEAVES - 1], ranked[MOST_LEAVES - 1 :]
     return [leaf for _, leaf in sorted(kept, key=lambda each: each[0])], [leaf for _, leaf in left_out]
-
-
-# The outcomes
 
 
 def outcome_table(

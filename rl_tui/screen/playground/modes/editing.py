@@ -73,9 +73,6 @@ def prompts(snapshot: Snapshot, about: Sequence[str]) -> tuple[str, ...]:
     return (*(f"{each}{undo} · {END}" for each in about), *(f"{each} · {END}" for each in about), *about, END)
 
 
-# Strokes not yet applied
-
-
 class PendingStrokes:
     """Strokes on their way to the player."""
 
