@@ -16,12 +16,13 @@ from queue import PriorityQueue
 from threading import Thread
 from typing import TYPE_CHECKING, ClassVar, Final
 
+from textual import on
 from textual.binding import BindingType
 from textual.containers import Horizontal, Vertical
 from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Input
+from textual.widgets import Input, OptionList
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.streams import streams
@@ -310,10 +311,6 @@ class CatalogueScreen(SavedSessions):
             self.query_one("#lists").set_class(to_sessions, "-sessions")
             self.show_current()
 
-    def on_option_list_option_selected(self) -> None:
-        """Open the row."""
-        self.action_open()
-
     def show_current(self) -> None:
         """Show the row's details."""
         # A function, not a coroutine: of several in a row only the last one starts
@@ -351,10 +348,6 @@ class CatalogueScreen(SavedSessions):
         """List the matches."""
         if self.query_one(Filter).display:
             self._show_filtered(event.value)
-
-    def on_input_submitted(self) -> None:
-        """Open the row under the cursor."""
-        self.action_open()
 
     def _show_filtered(self, words: str) -> None:
         hits = self._hits(words) if words.strip() else []
@@ -402,6 +395,8 @@ class CatalogueScreen(SavedSessions):
         else:
             self.tell("Nothing to continue yet. 2 watches an agent learn.")
 
+    @on(OptionList.OptionSelected)
+    @on(Input.Submitted)
     def action_open(self) -> None:
         """Open the focused door, else the row."""
         doors, entry = self.query_one(Doors), self._current

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.console import Group, RenderableType
 from rich.text import Text
+from textual import on
 from textual.binding import Binding, BindingType
 from textual.containers import Container, Horizontal, VerticalScroll
 from textual.events import Key
@@ -271,10 +272,6 @@ class LessonsScreen(ListScreen):
         await self._read.wait()
         await self.finished(_DRAWING)
 
-    def on_option_list_option_selected(self) -> None:
-        """Open the lesson."""
-        self.action_open_lesson()
-
     def show_current(self) -> None:
         """Show the lesson's details."""
         entry = self.query_one(LessonList).current
@@ -308,6 +305,7 @@ class LessonsScreen(ListScreen):
             drawing.mount(view)
             view.show(picture)
 
+    @on(OptionList.OptionSelected)
     def action_open_lesson(self) -> None:
         """Begin, resume or reopen the lesson."""
         entry = self._entry()
