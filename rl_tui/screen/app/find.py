@@ -65,6 +65,7 @@ class FindScreen(Dialog[Findable]):
     ) -> None:
         super().__init__()
         self._look = look
+        self._written = look.glyphs.spelled
         self._entries = list(entries)
         self._for_query = for_query
         self._more = more
@@ -137,9 +138,6 @@ class FindScreen(Dialog[Findable]):
 
     def _tell(self, sentence: str) -> None:
         self.query_one(Static).update(self._written(shortened(sentence, _SENTENCE, "…")))
-
-    def _written(self, text: str) -> str:
-        return self._look.glyphs.spelled(text)
 
 
 # Ranking

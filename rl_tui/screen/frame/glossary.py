@@ -84,6 +84,7 @@ class GlossaryScreen(Dialog[str]):
     ) -> None:
         super().__init__()
         self._look = look
+        self._written = look.glyphs.spelled
         self._here = tuple(here)
         self._number = number
         self._setting = setting
@@ -162,9 +163,6 @@ class GlossaryScreen(Dialog[str]):
     def _show(self, text: Text) -> None:
         self.query_one("#paragraph", VerticalScroll).scroll_home(animate=False)
         self.query_one(Static).update(text)
-
-    def _written(self, text: str) -> str:
-        return self._look.glyphs.spelled(text)
 
 
 # What the person points at

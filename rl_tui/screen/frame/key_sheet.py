@@ -119,6 +119,7 @@ class KeySheet(HelpPage):
 
     def __init__(self, look: Look, actions: Sequence[Action], panel: Widget | None, name: str) -> None:
         super().__init__(look, "Keys", "?: words   /: find   esc: close")
+        self._written = look.glyphs.spelled
         self._actions = actions
         self._panel = panel
         self._name = name
@@ -198,9 +199,6 @@ class KeySheet(HelpPage):
         style: Style = palette.dim if entry.is_dim else palette.text
         text = Text(key.rjust(keys), palette.dim if entry.is_dim else palette.press)
         return text.append(f" {label}".ljust(width - keys), style)
-
-    def _written(self, text: str) -> str:
-        return self._look.glyphs.spelled(text)
 
 
 def _entry(action: Action) -> _Entry:
