@@ -16,12 +16,7 @@ from rl_tui.agents.exact.first_update import Remedy
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.answers.first_update_words import (
-    cause_in_words,
-    episodes_in_words,
-    setting_in_words,
-    wait_in_words,
-)
+from rl_tui.runs.answers import first_update_words
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.precision import magnitude
@@ -128,11 +123,11 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
     if view.answer is None:
         return [*lines, "The wait is unknown.", as_sentence(view.refused)]
     in_words = partial(written, glyphs=glyphs)
-    wait = wait_in_words(view.answer.wait, in_words)
+    wait = first_update_words.wait_in_words(view.answer.wait, in_words)
     if view.has_moved:
         return [*lines, f"With the current settings, from the start: {wait}."]
     settings, time_limit = snapshot.agent.hyperparameters, snapshot.world.space.time_limit
-    cause = cause_in_words(view.answer, settings, time_limit, in_words)
+    cause = first_update_words.cause_in_words(view.answer, settings, time_limit, in_words)
     lines.append(as_sentence(wait))
     if cause:
         lines += ["", f"Why: {cause}."]
@@ -160,8 +155,8 @@ def _cells(remedy: Remedy, glyphs: Glyphs) -> tuple[str, str, str, str]:
     assert wait.mean_episodes is not None
     assert wait.median_episodes is not None
     return (
-        setting_in_words(remedy.setting, remedy.value, partial(written, glyphs=glyphs)),
+        first_update_words.setting_in_words(remedy.setting, remedy.value, partial(written, glyphs=glyphs)),
         written(wait.chance, glyphs),
-        episodes_in_words(wait.mean_episodes),
-        episodes_in_words(wait.median_episodes),
+        first_update_words.episodes_in_words(wait.mean_episodes),
+        first_update_words.episodes_in_words(wait.median_episodes),
     )

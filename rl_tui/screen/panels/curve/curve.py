@@ -26,14 +26,8 @@ from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, strips_of, wrapped
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
+from rl_tui.screen.kit import snapshot_facts
 from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.snapshot_facts import (
-    BEING_BUILT,
-    has_estimates,
-    is_new_run,
-    passes_too_fast,
-    studied_answer,
-)
 from rl_tui.screen.panels.curve import area as areas
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, episode_axis, is_decided, is_over, unit_of
 from rl_tui.screen.panels.curve.seed_band import lane_cells, seed_cells, seed_remark, with_room_for
@@ -331,20 +325,20 @@ class ReturnCurve(Panel, can_focus=True):
                 snapshot.value_errors,
             ),
             *(snapshot.agent.algorithm, values.policy, values.epsilon_at(episodes), is_decided(snapshot)),
-            *(episodes, snapshot.program is None, is_over(snapshot), has_estimates(snapshot)),
+            *(episodes, snapshot.program is None, is_over(snapshot), snapshot_facts.has_estimates(snapshot)),
             *(snapshot.timeline.in_past, snapshot.timeline.furthest, snapshot.counters.episode_step > 0),
             episode_axis(snapshot).right,
             *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
             *(answers.is_hidden, answers.kept_back, answers.first_update, answers.studied),
-            *(answers.policies.get(PolicyKind.BEHAVIOUR), studied_answer(snapshot)),
-            *(playback.phase is Phase.SPENT, _runs(snapshot), passes_too_fast(snapshot)),
+            *(answers.policies.get(PolicyKind.BEHAVIOUR), snapshot_facts.studied_answer(snapshot)),
+            *(playback.phase is Phase.SPENT, _runs(snapshot), snapshot_facts.passes_too_fast(snapshot)),
             snapshot.run_group.shown,
             *((each.name, each.algorithm, each.episodes, each.results) for each in lanes),
         )
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The past keeps the present's axis."""
-        if is_new_run(self.snapshot, snapshot):
+        if snapshot_facts.is_new_run(self.snapshot, snapshot):
             self.scale = self.drawn_from = None
         super().show(snapshot)
 
@@ -352,7 +346,9 @@ class ReturnCurve(Panel, can_focus=True):
         """Draw the curve."""
         if snapshot is None:
             self.heading = self.fitting([TITLES[self._unit]], width)
-            return strips_of([[Piece(f" {BEING_BUILT}", self.look.palette.dim)]], width, height, self.look)
+            return strips_of(
+                [[Piece(f" {snapshot_facts.BEING_BUILT}", self.look.palette.dim)]], width, height, self.look
+            )
         data = curve_data(snapshot)
         scale = self._settled(data, snapshot)
         if height == 1:
@@ -395,7 +391,7 @@ class ReturnCurve(Panel, can_focus=True):
         if self.hints:
             return self.fitting([*(f"{titles[-1]} · {each}" for each in self.hints), titles[-1]], width)
         # at full speed, numbers would change in every frame
-        is_calm = not passes_too_fast(snapshot)
+        is_calm = not snapshot_facts.passes_too_fast(snapshot)
         notes: list[Words] = [remark(snapshot, data, glyphs, decimals, with_figures=is_calm)]
         if data.lanes:
             titles = lane_heads(data, titles, glyphs)
