@@ -119,11 +119,7 @@ class Opener:
         return playground
 
     def first_screen(self, start: Start) -> ActionScreen:
-        """Make the screen for ``start``.
-
-        Raises:
-            UserError: A lesson's run cannot be made.
-        """
+        """Make the screen for ``start``. Raises UserError if a lesson's run cannot be made."""
         if start is None:
             return self.catalogue()
         if isinstance(start, Place):
@@ -153,11 +149,7 @@ class Opener:
         return playground
 
     def lesson(self, start: LessonStart) -> Playground:
-        """Make the playground of a lesson's open page.
-
-        Raises:
-            UserError: Its run cannot be made.
-        """
+        """Make the playground of a lesson's open page. Raises UserError if its run cannot be made."""
         from rl_tui.live.sessions.autosave import Autosave
 
         record = beginning_of(start.record)

@@ -106,10 +106,7 @@ class AtlasScene:
 
 
 class MapPicture:
-    """The map of ``scene``.
-
-    ``label`` columns of names, ``field`` × ``tall`` per cell.
-    """
+    """The map of ``scene``. ``label`` columns of names, ``field`` × ``tall`` per cell."""
 
     def __init__(self, scene: AtlasScene, width: int, height: int) -> None:
         self.scene, self.width, self.height = scene, width, height

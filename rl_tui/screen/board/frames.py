@@ -93,10 +93,7 @@ _MOST_PICTURES: Final = 100  # before giving up
 
 
 class Frames:
-    """Frames, each after the arrival of the last, and the wait for a complete picture.
-
-    ``named`` names the file of an error.
-    """
+    """Frames, each after the arrival of the last. ``named`` names the file of an error."""
 
     def __init__(
         self,
@@ -143,10 +140,7 @@ class Frames:
         self._framed.set()
 
     async def settled(self) -> None:
-        """Wait until everything asked for is done and on screen, or the run is over.
-
-        Gives up after many pictures.
-        """
+        """Wait until everything is done and on screen, the run is over, or for many pictures."""
         for _ in range(_MOST_PICTURES):
             if self._is_over:
                 return

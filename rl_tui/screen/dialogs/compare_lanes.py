@@ -50,11 +50,7 @@ def what_may_differ(recipe: Recipe) -> tuple[str, ...]:
 
 
 def lane_changes(space: FiniteSpace, recipe: Recipe, name: str, value: float | str) -> tuple[Setting, ...]:
-    """Return the changes for another run.
-
-    Raises:
-        UserError: The value does not work in ``space``, or makes no difference.
-    """
+    """Return another run's changes. Raises UserError if they do not work or make no difference."""
     setting = SwitchAlgorithm(str(value)) if name == ALGORITHM else SetParameter(name, value)
     changes = settings_for(space, recipe, setting)
     if not difference(recipe, changed_recipe(recipe, *changes)):

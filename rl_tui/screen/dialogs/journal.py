@@ -277,11 +277,7 @@ def _places(snapshot: Snapshot) -> Iterator[Candidate]:
 
 
 def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
-    """Return the command for ``text``.
-
-    Raises:
-        ValueError: It is not a moment of the run.
-    """
+    """Return the command for ``text``. Raises ValueError if it is not a moment of the run."""
     end = snapshot.timeline.current.end
     text = text.strip().lower().replace("−", "-")
     if text in ("start", "end"):

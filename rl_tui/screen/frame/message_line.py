@@ -59,10 +59,7 @@ def complaining(app: App[Any]) -> Iterator[None]:
 
 
 class Messages:
-    """The current messages, the newest on the front screen.
-
-    Errors stay until escape, or until their screen is left.
-    """
+    """The current messages, the newest on the front screen. Errors stay until escape or another screen."""
 
     def __init__(self, app: LinkedApp[Any], look: Callable[[], Look]) -> None:
         self._app = app

@@ -32,10 +32,7 @@ def all_v(snapshot: Snapshot) -> FloatArray:
 
 
 def known_v(snapshot: Snapshot) -> FloatArray:
-    """Return the finite V of learned states, or estimates of pulled arms.
-
-    Exits of a map are left out: they show their reward.
-    """
+    """Return V of learned states, or estimates of pulled arms, without exits, which show rewards."""
     if snapshot.world.is_bandit:
         return tried_q(snapshot)
     return finite(np.concatenate([v[known] for v, known in map(_v, lanes_in_view(snapshot))]))

@@ -57,10 +57,7 @@ class Wheeled(Touched):
 
 
 class Draggable(Widget):
-    """A widget with a handle that moves along its row.
-
-    Subclasses define ``drag_to`` and call ``take_hold``.
-    """
+    """A widget with a handle in its row. Subclasses define ``drag_to`` and call ``take_hold``."""
 
     is_held = False
 

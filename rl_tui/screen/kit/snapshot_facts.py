@@ -151,10 +151,7 @@ def lacks_exact(snapshot: Snapshot) -> bool:
 
 
 def valued_states(snapshot: Snapshot) -> tuple[int, int] | None:
-    """Return how many states have changed their V, and how many have actions.
-
-    None for a large, partly known world.
-    """
+    """Count states with a changed V, and with actions. None for a large, partly known world."""
     agent, first = snapshot.agent, snapshot.world.space.first_pair
     if agent.part is not None:
         return None

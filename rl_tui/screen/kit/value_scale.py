@@ -200,10 +200,7 @@ _TWO_DECIMALS_FROM: Final = 0.01
 
 
 def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
-    """Draw a bar between the scale's ends.
-
-    ``every`` leaves out columns of the bar.
-    """
+    """Draw a bar between the scale's ends. ``every`` leaves out columns of the bar."""
     low, high = scale.ends
     if high <= low:
         return ()

@@ -151,10 +151,7 @@ def _beside(width: int) -> int:
 def draw_arms(
     canvas: Canvas, arms: Sequence[Arm], scale: ArmsScale, look: Look, each: int, names: int, form: NumberForm
 ) -> None:
-    """Draw the bars in ``each`` rows and, if a row is left, the axis.
-
-    ▸ marks greedy arms, ◉ the last pull, ★ the revealed best arm.
-    """
+    """Draw bars of ``each`` rows, and the axis if it fits. ▸ greedy, ◉ last pull, ★ revealed best arm."""
     glyphs, palette, width, height = look.glyphs, look.palette, canvas.width, canvas.height
     left = names + _AROUND_NAME
     plot = _Plot(left, width - left - _beside(width), scale)

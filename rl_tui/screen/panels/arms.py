@@ -36,11 +36,7 @@ class ArmsView(WorldView):
     _shown = _each = 1
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Switch to ``world``.
-
-        Raises:
-            TypeError: The world has no arms or no transition table.
-        """
+        """Switch to ``world``. Raises TypeError without arms or a transition table."""
         if not world.is_bandit or world.mdp is None:
             raise TypeError("an ArmsView needs a world with a table and Arms as its drawing")
         super().enter(world, goes_on=goes_on)

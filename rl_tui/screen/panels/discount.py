@@ -72,10 +72,7 @@ _FORMS: Final = ((4, "earns "), (3, "earns "), (3, ""), (2, ""))  # decimals of 
 
 
 def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
-    """Return the longest fitting form of all ``flips``.
-
-    γ has three decimals, or enough to distinguish every flip.
-    """
+    """Return the longest fitting form of ``flips``. γ has three decimals, or more to distinguish them."""
     gammas = [flip.gamma for flip in flips]
     returns = [each for flip in flips for each in flip.expected_return if each is not None]
     least = fewest_decimals(

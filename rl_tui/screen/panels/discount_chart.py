@@ -82,10 +82,7 @@ def best_two(lines: Sequence[ActionLine], look: Look) -> list[ActionLine]:
 
 
 def ranked(lines: Sequence[ActionLine]) -> list[ActionLine]:
-    """Rescale at each γ: best action 1, worst 0, gaps if all are equal.
-
-    This shows crossings of close values.
-    """
+    """Rescale at each γ: best action 1, worst 0, gaps if all are equal. It shows close crossings."""
     values = np.array([line.values for line in lines])
     low, high = values.min(axis=0), values.max(axis=0)
     between = np.where(high - low > NEGLIGIBLE * np.maximum(1.0, np.abs(high)), high - low, np.nan)

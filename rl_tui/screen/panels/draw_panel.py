@@ -298,10 +298,7 @@ def _text(cell: ToolCell, glyphs: Glyphs) -> str:
 
 
 class DrawPanel(Container, BoardPanel):
-    """Tools, and a slider for each number.
-
-    The active mode sets the contents and receives clicks and changes as messages.
-    """
+    """Tools, and a slider for each number. The active mode sets them and receives messages."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)

@@ -32,11 +32,7 @@ _TWO_DIGITS: Final = 10.0  # numbers from here on have no decimals
 
 
 def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
-    """Return both runs as shown ones, lower number first.
-
-    Raises:
-        ValueError: There is no second run.
-    """
+    """Return both runs as shown ones, lower number first. Raises ValueError without a second run."""
     group, beside = snapshot.run_group, snapshot.beside
     if beside is None or group.beside is None:
         raise ValueError("only one run is shown")

@@ -63,10 +63,7 @@ class WaitingRow(Panel):
 
 
 class StatusLine(WaitingRow):
-    """Phase, speed, episode and steps, or a message.
-
-    ``is_captioned``: a caption says why the run waits.
-    """
+    """Phase, speed, episode and steps, or a message. ``is_captioned``: a caption says why it waits."""
 
     is_manual = is_captioned = False
     title = ""

@@ -23,10 +23,7 @@ _NOISE: Final = 12  # decimals: further ones are rounding errors
 
 @dataclass(frozen=True, slots=True)
 class SliderScale:
-    """A finite range in hundredths.
-
-    ``fine`` is a tenth of a step, ``coarse`` ten.
-    """
+    """A finite range in hundredths. ``fine`` is a tenth of a step, ``coarse`` ten."""
 
     range: Range
     logarithmic: bool = False

@@ -26,10 +26,7 @@ _LATE: Final = 0.25  # share of bins after which the axis makes space for the ba
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeedBand:
-    """One run's mean return ± two standard errors.
-
-    ``until``: end of the seeds, if not the current episode.
-    """
+    """One run's mean return ± two standard errors, ``until`` the last episode of the seeds, if not now."""
 
     number: int
     seeds: int

@@ -44,10 +44,7 @@ from rl_tui.worlds.world import Prospect, World
 
 
 def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) -> GraphShape | None:
-    """Return the draft's shape if it visibly differs.
-
-    States of ``world`` keep their numbers.
-    """
+    """Return the draft's shape if it visibly differs. States of ``world`` keep their numbers."""
     draft, base = editor.draft, editor.base
     if draft is base or not isinstance(draft, GraphDraft) or not isinstance(base, GraphDraft):
         return None
@@ -132,11 +129,7 @@ class GraphView(WorldView):
     _is_draft = False
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Switch to ``world``.
-
-        Raises:
-            TypeError: It is not a graph, or its outcomes are unknown.
-        """
+        """Switch to ``world``. Raises TypeError if it is not a graph, or its outcomes are unknown."""
         if not isinstance(world.drawing, Graph) or (world.mdp is None and not world.prospects):
             raise TypeError("a GraphView needs a world with known outcomes and a Graph as its drawing")
         super().enter(world, goes_on=goes_on)

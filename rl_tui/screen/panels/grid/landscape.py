@@ -82,10 +82,7 @@ def line_step(values: FloatArray, scale: ValueScale) -> float:
 
 
 def relief(values: FloatArray, scale: ValueScale) -> FloatArray:
-    """Return heights, 0 to 1, from V's place on its scale and its rank.
-
-    On a signed scale, 0 has the height .5.
-    """
+    """Return heights, 0 to 1, from V's place on its scale and its rank. On a signed scale, 0 is at .5."""
     low, high = scale.ends
     base = 0.0 if scale.is_signed else low
     share = ((values - base) / (high - base)).clip(-1.0, 1.0)

@@ -49,10 +49,7 @@ def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
 
 
 def carried_place(place: int, before: Snapshot, now: Snapshot) -> tuple[int, int, int]:
-    """Return where ``place`` is now, and its shift down and right.
-
-    A deleted row or column keeps its number within the map.
-    """
+    """Return where ``place`` is now, and its shift down and right. Deleted lines keep their number."""
     was, grid = before.world.drawing, now.world.drawing
     assert isinstance(was, Grid)
     assert isinstance(grid, Grid)
@@ -258,10 +255,7 @@ class GridMap:
         picked: frozenset[int] = frozenset(),
         traced: Mapping[int, Trace] | None = None,
     ) -> list[CellContent]:
-        """Return the contents of ``part``, row by row.
-
-        A cell of several states shows the agent's, else the first.
-        """
+        """Return the contents of ``part`` by rows. Of several states the agent's is shown, else the first."""
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
         owners = states[states != NO_STATE]

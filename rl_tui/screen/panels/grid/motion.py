@@ -147,10 +147,7 @@ class Motion(NamedTuple):
 
 
 def motion_between(before: Snapshot, now: Snapshot, grid_map: GridMap, pace: float) -> Motion | None:
-    """Return the motion of the run's next step, if it is one.
-
-    ``pace``: steps per second. Above 15 nothing travels.
-    """
+    """Return the motion of the run's next step, if any. ``pace``: steps a second, above 15 none travels."""
     last, lanes = followed_step(now), (before.run_group.shown, now.run_group.shown)
     if last is None or not last.learned or now.world is not before.world or lanes[0] != lanes[1]:
         return None

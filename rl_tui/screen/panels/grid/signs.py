@@ -157,10 +157,7 @@ def heading_of_actions(form: ActionForm) -> str:
 
 
 def numbered(heading: str, form: CellForm, arrows: str, longest: int, *, in_corner: bool) -> tuple[str, ...]:
-    """Return headings with state numbers.
-
-    ``longest``: its characters. ``in_corner``: numbers replace nothing.
-    """
+    """Return headings with state numbers of ``longest`` characters. ``in_corner``: they replace nothing."""
     if in_corner or form.has_corner:
         return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
     has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS

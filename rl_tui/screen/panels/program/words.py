@@ -81,10 +81,7 @@ def name_of(program: ProgramView) -> str:
 
 
 def table_texts(table: FoundTable) -> tuple[str, ...]:
-    """Return forms of ``table q: array 16×4, float64``.
-
-    A dictionary has no shape, because it grows with visited states.
-    """
+    """Return forms of ``table q: array 16×4, float64``. A dictionary grows, so it has no shape."""
     name = one_line(", ".join(filter(None, (table.name, table.other))), LONGEST_NAME)
     form = form_text(table.form)
     grows = table.form.startswith("dict")

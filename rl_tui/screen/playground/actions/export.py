@@ -120,11 +120,7 @@ def _write_table(what: str, snapshot: Snapshot, path: Path, on_progress: OnProgr
 
 
 def script_of(snapshot: Snapshot) -> str:
-    """Return the script for the current settings.
-
-    Raises:
-        UserError: There is no script for this run.
-    """
+    """Return the script for the current settings. Raises UserError if there is none for this run."""
     from rl_tui.runs.export.script import script
 
     recipe, journal, step = _run_of(snapshot)

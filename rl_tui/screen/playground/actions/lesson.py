@@ -119,11 +119,7 @@ NO_COMMA: Final = "write 0.5 with a decimal point, and 184616 without a comma"
 
 
 def read_answer(text: str) -> float:
-    """Return the number in ``text``, which may be a fraction.
-
-    Raises:
-        ValueError: It is not a number.
-    """
+    """Return the number in ``text``, which may be a fraction. Raises ValueError for other text."""
     written = text.strip().replace("−", "-").replace("–", "-")
     if fraction := _FRACTION.fullmatch(written):
         below = float(fraction[2])

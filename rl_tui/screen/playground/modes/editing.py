@@ -93,10 +93,7 @@ class PendingStrokes:
         self._sent.clear()
 
     def draft(self, snapshot: Snapshot) -> Draft | None:
-        """Return the draft with all later strokes, if there is one.
-
-        Each stroke is applied once per snapshot, because a wheel sends hundreds.
-        """
+        """Return the draft with all later strokes, each applied once: a wheel sends hundreds."""
         self._sent = [each for each in self._sent if each[0] > snapshot.playback.handled]
         base = snapshot.editor.draft
         if base is None:

@@ -92,11 +92,7 @@ def written(draft: GraphDraft, state: str, action: str) -> str:
 
 
 def read_outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
-    """Return the value of an edit that sets the typed outcomes.
-
-    Raises:
-        ValueError: The text does not describe an action.
-    """
+    """Return the edit's value for the typed outcomes. Raises ValueError for other text."""
     typed = text.strip()
     value = json_in(typed) if typed.startswith("{") else as_json(_entry(typed) if typed else None)
     try:
@@ -131,11 +127,7 @@ def _entry(text: str) -> dict[str, object]:
 
 
 def read_name(text: str) -> str:
-    """Return the typed name.
-
-    Raises:
-        ValueError: It is empty.
-    """
+    """Return the typed name. Raises ValueError if it is empty."""
     if not text.strip():
         raise ValueError("type a name")
     return text.strip()

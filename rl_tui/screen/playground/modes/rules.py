@@ -117,11 +117,7 @@ def _fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
 
 
 def checked(draft: Draft, edit: Edit) -> tuple[Edit]:
-    """Return ``edit`` of the rule that it names.
-
-    Raises:
-        ValueError: It is impossible.
-    """
+    """Return ``edit`` of the rule that it names. Raises ValueError if it is impossible."""
     if fault := _fault_of(draft, (edit,), edit.name):
         raise ValueError(fault)
     return (edit,)
@@ -261,11 +257,7 @@ class Toolbox(ABC, Generic[OwnDraft]):
         return ()
 
     def number_edits(self, desk: Desk[OwnDraft], name: str, value: float) -> Sequence[Edit]:
-        """Return the edits that set a number.
-
-        Raises:
-            ValueError: The value is not possible.
-        """
+        """Return the edits that set a number. Raises ValueError if the value is not possible."""
         raise NotImplementedError
 
     def picked(self, desk: Desk[OwnDraft]) -> frozenset[int]:
@@ -363,11 +355,7 @@ def number_text(value: float, digits: int = 6) -> str:
 
 
 def number_in(text: str) -> float:
-    """Return the typed number.
-
-    Raises:
-        ValueError: It is not a number, or too large.
-    """
+    """Return the typed number. Raises ValueError if it is not a number, or too large."""
     try:
         number = float(text.replace("−", "-"))
     except ValueError:
