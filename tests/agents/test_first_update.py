@@ -158,7 +158,7 @@ def test_random_worlds_against_the_chain_of_the_episode(
 
 def moved_in(mdp: TabularMDP, algorithm: str, params: Hyperparameters, seed: int) -> bool:
     learner = Learner(mdp, algorithm, params, streams(seed))
-    learner.advance(2_000, episodes=1)
+    learner.advance(300, episodes=1)
     return bool(np.abs(learner.q - params.initial_q).max() > 1e-9)
 
 
@@ -174,7 +174,7 @@ def test_random_worlds_against_the_learner(algorithm: str) -> None:
     )
     def holds(mdp: TabularMDP, q: float, gamma: float, ties: Ties, alpha: Any) -> None:
         params = Hyperparameters(initial_q=q, gamma=gamma, ties=ties, epsilon=0.3, alpha=alpha)
-        found, seeds = first_wait(mdp, algorithm, params), 120
+        found, seeds = first_wait(mdp, algorithm, params), 60
         moved = sum(moved_in(mdp, algorithm, params, seed) for seed in range(seeds))
         deviation = math.sqrt(seeds * found.chance * (1.0 - found.chance))
         assert abs(moved - seeds * found.chance) <= 4.5 * deviation + 1e-9
@@ -182,6 +182,7 @@ def test_random_worlds_against_the_learner(algorithm: str) -> None:
     holds()
 
 
+@pytest.mark.exhaustive("trains 2,000 seeds")
 def test_learners_of_2000_seeds_wait_as_long_as_is_said() -> None:
     mdp, params = shipped("frozenlake"), Hyperparameters()
     found = first_wait(mdp, "q-learning", params)

@@ -36,27 +36,17 @@ def arms() -> TabularMDP:
 
 
 @settings(deadline=None)
-@given(st.sampled_from(SCHEDULES), probabilities, probabilities, decays, episodes)
-def test_compiled_exploration_is_exactly_as_scheduled(
+@given(st.sampled_from(SCHEDULES), st.floats(1e-9, 1.0), probabilities, decays, episodes)
+def test_compiled_schedules_are_exactly_as_said(
     schedule: str, start: float, least: float, decay: float, episode: int
 ) -> None:
-    hyperparameters = Hyperparameters(
+    exploring = Hyperparameters(
         epsilon=start, epsilon_schedule=schedule, epsilon_min=least, epsilon_decay=decay
     )
+    learning = Hyperparameters(alpha=start, step_size_schedule=schedule, alpha_min=least, alpha_decay=decay)
     for form in (now, machine_code(now)):
-        assert form(schedules_of(hyperparameters).epsilon, episode) == hyperparameters.epsilon_at(episode)
-
-
-@settings(deadline=None)
-@given(st.sampled_from(SCHEDULES), st.floats(1e-9, 1.0), probabilities, decays, episodes)
-def test_compiled_step_sizes_are_exactly_as_scheduled(
-    schedule: str, start: float, least: float, decay: float, episode: int
-) -> None:
-    hyperparameters = Hyperparameters(
-        alpha=start, step_size_schedule=schedule, alpha_min=least, alpha_decay=decay
-    )
-    for form in (now, machine_code(now)):
-        assert form(schedules_of(hyperparameters).alpha, episode) == hyperparameters.alpha_at(episode)
+        assert form(schedules_of(exploring).epsilon, episode) == exploring.epsilon_at(episode)
+        assert form(schedules_of(learning).alpha, episode) == learning.alpha_at(episode)
 
 
 def test_the_schedules_at_known_episodes() -> None:
