@@ -48,11 +48,6 @@ def test_bounds_of_the_box_count_where_none_are_given():
     assert [made.state_of(np.array([x, 1e30])) for x in (-0.6, -0.4, 0.0, 0.6)] == [0, 1, 2, 3]
 
 
-def test_the_names_of_narrow_bins_differ():
-    made = states(low=[0.0, 5.0], high=[1e-9, 5.00001], count=[10, 10])
-    assert all(len(set(names)) == 10 for names in made.part_names)
-
-
 def test_not_a_number_is_in_no_bin():
     with pytest.raises(OutsideError):
         states(count=[4, 1]).state_of(np.array([np.nan, 0.0]))
@@ -78,42 +73,28 @@ def test_what_does_not_fit_the_box_is_refused(keys, location, found):
     assert refusal.value.finding.location == location
 
 
-@pytest.mark.parametrize(
-    ("bins", "place", "found"),
-    [
-        ("", "gymnasium.bins.count", "nothing"),
-        ("count = [2, 0]", "gymnasium.bins.count[1]", "0"),
-        ("count = 2", "gymnasium.bins.count", "2"),
-        ("count = []", "gymnasium.bins.count", "[]"),
-        ("count = [2, 2]\nlow = [0, 0, 0]", "gymnasium.bins.low", "3 numbers"),
-        ("count = [2, 2]\nlow = [0, 0]\nhigh = [1, 0]", "gymnasium.bins.high[1]", "0"),
-        ("count = [2, 2]\nlow = [0, nan]", "gymnasium.bins.low[1]", "nan"),
-        ("edges = [[1.0, 1.0], []]", "gymnasium.bins.edges[0]", "[1.0, 1.0]"),
-        (
-            "edges = [[], []]\ncount = [1, 1]",
-            "gymnasium.bins.count",
-            "count and edges are both set; give edges, or low, high and count",
-        ),
-        ("counts = [2, 2]\ncount = [2, 2]", "gymnasium.bins.counts", "unknown key"),
-        ("count = [2, 2, 2]", "gymnasium.bins.count", "3 entries"),
-        ("count = [2000, 2000]", "gymnasium.bins", "4,000,000 states of MountainCar-v0"),
-    ],
-)
-def test_faults_of_a_file(bins, place, found, tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(f'[gymnasium]\nid = "MountainCar-v0"\n[gymnasium.bins]\n{bins}\n')
-    with pytest.raises(ScenarioError) as error:
-        read_scenario(path)
-    (fault,) = error.value.faults
-    assert fault.place == place
-    assert (
-        fault.found == found or fault.found.startswith(f"{found}; ") or fault.found.startswith(f"{found}, ")
-    )
+CAR = 'id = "MountainCar-v0"\n[gymnasium.bins]\n'
 
 
 @pytest.mark.parametrize(
     ("text", "place", "found"),
     [
+        (CAR, "gymnasium.bins.count", "nothing"),
+        (CAR + "count = [2, 0]", "gymnasium.bins.count[1]", "0"),
+        (CAR + "count = 2", "gymnasium.bins.count", "2"),
+        (CAR + "count = []", "gymnasium.bins.count", "[]"),
+        (CAR + "count = [2, 2]\nlow = [0, 0, 0]", "gymnasium.bins.low", "3 numbers"),
+        (CAR + "count = [2, 2]\nlow = [0, 0]\nhigh = [1, 0]", "gymnasium.bins.high[1]", "0"),
+        (CAR + "count = [2, 2]\nlow = [0, nan]", "gymnasium.bins.low[1]", "nan"),
+        (CAR + "edges = [[1.0, 1.0], []]", "gymnasium.bins.edges[0]", "[1.0, 1.0]"),
+        (
+            CAR + "edges = [[], []]\ncount = [1, 1]",
+            "gymnasium.bins.count",
+            "count and edges are both set; give edges, or low, high and count",
+        ),
+        (CAR + "counts = [2, 2]\ncount = [2, 2]", "gymnasium.bins.counts", "unknown key"),
+        (CAR + "count = [2, 2, 2]", "gymnasium.bins.count", "3 entries"),
+        (CAR + "count = [2000, 2000]", "gymnasium.bins", "4,000,000 states of MountainCar-v0"),
         (
             'id = "Blackjack-v1"\nbins = { count = [2] }',
             "gymnasium.bins",
@@ -129,16 +110,14 @@ def test_faults_of_a_file(bins, place, found, tmp_path):
         ('id = "CartPole-v1"\ntable = true', "gymnasium.id", "the states of CartPole-v1 are Box"),
     ],
 )
-def test_bins_where_they_do_not_belong(text, place, found, tmp_path):
+def test_faults_of_a_file(text, place, found, tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(f"[gymnasium]\n{text}\n")
     with pytest.raises(ScenarioError) as error:
         read_scenario(path)
     (fault,) = error.value.faults
     assert fault.place == place
-    assert (
-        fault.found == found or fault.found.startswith(f"{found}; ") or fault.found.startswith(f"{found}, ")
-    )
+    assert fault.found.startswith((f"{found}; ", f"{found}, ")) or fault.found == found
 
 
 def test_a_world_of_bins():

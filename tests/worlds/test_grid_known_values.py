@@ -75,15 +75,6 @@ WINDY = ["." * 10] * 3 + ["S......G.."] + ["." * 10] * 3
 WIND = [0, 0, 0, 1, 1, 1, 2, 2, 1, 0]
 
 
-@pytest.mark.parametrize(("moves", "steps"), [("four", 15), ("king", 7), ("king+stay", 7)])
-def test_the_windy_gridworld(moves, steps):
-    """Sutton & Barto, Example 6.5 (15 steps) and exercise 6.9."""
-    world = grid(
-        WINDY, step_reward=-1.0, wind=WIND, moves=moves, legend={"G": {"kind": "goal", "reward": 0.0}}
-    )
-    assert solve(world.mdp, 1.0).value_at_start == pytest.approx(-steps)
-
-
 def test_with_gusts_the_wind_is_one_more_or_one_less_a_third_of_the_time_each():
     """Sutton & Barto, exercise 6.10."""
     mdp = grid(WINDY, wind=WIND, moves="king", gusts=True).mdp
@@ -92,13 +83,6 @@ def test_with_gusts_the_wind_is_one_more_or_one_less_a_third_of_the_time_each():
     outcomes = mdp.outcomes_of(mdp.pairs_of(windy)[left])
     assert sorted(int(mdp.next_state[o]) for o in outcomes) == [15, 25, 35]
     assert [float(mdp.probability[o]) for o in outcomes] == pytest.approx([1 / 3] * 3)
-
-
-def test_dyna_maze_takes_fourteen_steps():
-    """Sutton & Barto, Figure 8.2."""
-    maze = [".......#G", "..#....#.", "S.#....#.", "..#......", ".....#...", "........."]
-    solution = solve(grid(maze).mdp, 0.95)
-    assert solution.value_at_start == pytest.approx(0.95**13)
 
 
 def test_the_jumps_of_figure_3_2():
@@ -145,15 +129,6 @@ def test_the_book_grid_of_cs188():
         *(0.64, 0.74, 0.85, 1.0),
         *(0.57, 0.57, -1.0),
         *(0.49, 0.43, 0.48, 0.28),
-    ]
-
-
-def test_the_grid_of_russell_and_norvig():
-    """Artificial Intelligence: A Modern Approach, 3rd ed., Figure 17.3: r = −0.04, γ = 1."""
-    assert cs188(gamma=1.0, living=-0.04, digits=3) == [
-        *(0.812, 0.868, 0.918, 1.0),
-        *(0.762, 0.660, -1.0),
-        *(0.705, 0.655, 0.611, 0.388),
     ]
 
 
@@ -207,8 +182,3 @@ def test_the_goal_of_a_random_map_can_be_reached():
         for seed in range(9)
     ]
     assert all(80 in mdp.next_state for mdp in oblique)
-
-
-def test_only_a_random_map_is_drawn_from_the_seed():
-    assert GridSection.model_validate({"random": {"rows": 3, "columns": 3}}).drawn_from_seed
-    assert not GridSection.model_validate({"map": "SG"}).drawn_from_seed
