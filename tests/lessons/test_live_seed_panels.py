@@ -25,15 +25,7 @@ from rl_tui.runs.run import Run
 pytestmark = pytest.mark.process
 
 LONGEST = 60.0
-PANEL: dict[str, Any] = {
-    "measure": "steps_of_episodes",
-    "first": 2,
-    "last": 10,
-    "at_most": 300,
-    "seeds": 20,
-    "hold": 18,
-    "episodes": 10,
-}
+PANEL: dict[str, Any] = {"measure": "return_mean", "seeds": 20, "hold": 18, "episodes": 10}
 
 
 class News:
@@ -61,11 +53,9 @@ def judge(news: News) -> Iterator[TaskJudge]:
     made.close()
 
 
-def maze_task(planning: int) -> tuple[Lesson, Run]:
-    asked = ({"measure": "episodes", "at_least": 1}, PANEL)
-    lesson = lesson_with(*asked, scenario="maze", algorithm="dyna-q", planning_steps=planning)
-    run = Run(judged_task(lesson, "only").setup)
-    return lesson, run
+def seeds_task(least: float = -100.0, episodes: str = "at_least") -> tuple[Lesson, Run]:
+    lesson = lesson_with({"measure": "episodes", episodes: 1}, {**PANEL, "at_least": least})
+    return lesson, Run(judged_task(lesson, "only").setup)
 
 
 def task_of(view: LessonView) -> TaskView:
@@ -73,20 +63,20 @@ def task_of(view: LessonView) -> TaskView:
     return view.task
 
 
-@pytest.mark.exhaustive("a kiosk does the same", but=["False-50-True", "False-5-False"])
-@pytest.mark.parametrize(("planning", "expected"), [(50, True), (5, False)])
+@pytest.mark.exhaustive("a kiosk does the same", but=["False--100.0-True", "False-100.0-False"])
+@pytest.mark.parametrize(("least", "expected"), [(-100.0, True), (100.0, False)])
 @pytest.mark.parametrize("is_kiosk", [False, True])
 def test_a_panel_comes_to_what_the_replay_says(
     judge: TaskJudge,
     news: News,
     monkeypatch: pytest.MonkeyPatch,
-    planning: int,
+    least: float,
     expected: bool,
     is_kiosk: bool,
 ) -> None:
     if is_kiosk:
         monkeypatch.setenv(VARIABLE, "1")
-    lesson, run = maze_task(planning)
+    lesson, run = seeds_task(least)
     record = begun(lesson)
     assert [each.holds for each in task_of(judge.view(record, run)).conditions] == [False, None]
     run.advance(episodes=1)
@@ -99,7 +89,7 @@ def test_a_panel_comes_to_what_the_replay_says(
 
 
 def test_without_time_it_is_known_at_once() -> None:
-    lesson, run = maze_task(50)
+    lesson, run = seeds_task()
     run.advance(episodes=1)
     judge = TaskJudge(lambda: None, automatic=False)
     view = judge.view(begun(lesson), run)
@@ -138,7 +128,7 @@ def test_once_closed_nothing_is_begun(news: News) -> None:
 
 
 def test_a_page_without_a_task_has_none_and_a_digest(judge: TaskJudge) -> None:
-    lesson, run = maze_task(50)
+    lesson, run = seeds_task()
     run.apply(SetParameter("epsilon", 0.3))
     before = judge.view(begun(lesson), run).digest
     run.advance(1)
@@ -190,10 +180,7 @@ def test_seeds_that_are_known_are_no_work(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_run_that_goes_on_while_seeds_are_worked_out_passes_by_what_it_did(
     judge: TaskJudge, news: News
 ) -> None:
-    lesson = lesson_with(
-        {"measure": "episodes", "equals": 1}, PANEL, scenario="maze", algorithm="dyna-q", planning_steps=50
-    )
-    run = Run(judged_task(lesson, "only").setup)
+    lesson, run = seeds_task(episodes="equals")
     record = begun(lesson)
     run.advance(episodes=1)
     held = run.step

@@ -225,6 +225,7 @@ def test_a_lesson_without_tasks_grades_nothing(tmp_path: Path) -> None:
         LessonGrading(str(path))
 
 
+@pytest.mark.exhaustive("trains as every lesson asks", but=["q-by-hand"])
 @pytest.mark.parametrize("of", shipped_lessons(), ids=lambda of: of.id)
 def test_what_a_shipped_lesson_accepts_passes_from_a_session_too(of: Lesson, tmp_path: Path) -> None:
     taking, tasks = begun(of), [page for page in of.tasks if page.task and not page.task.program]

@@ -82,14 +82,6 @@ def test_all_exact_figures_are_of_the_means_now(drifting: Recipe) -> None:
     assert figures["regret"] == wanted.regret
 
 
-def test_how_the_pulls_are_cut_does_not_matter(drifting: Recipe) -> None:
-    whole, cut = Run(drifting), Run(drifting)
-    whole.advance(400)
-    for chunk in (1, 15, 1, 90, 293):
-        cut.advance(chunk)
-    assert_same(whole, cut)
-
-
 def test_a_checkpoint_brings_back_the_drift(drifting: Recipe) -> None:
     straight, rewound = Run(drifting), Run(drifting)
     straight.advance(400)

@@ -20,6 +20,7 @@ def report(scenario: str) -> WorldReport:
     return deep_check(Question(mdp, of.algorithm, of.hyperparameters, episodes_of(of.scenario)))
 
 
+@pytest.mark.exhaustive("trains under many seeds")
 def test_the_lake_has_its_known_figures() -> None:
     found = report("frozenlake")
     assert found.random_return == 0.013939795959171436
@@ -40,7 +41,9 @@ def test_on_the_cliff_monte_carlo_may_learn_never_to_end() -> None:
     assert found.first_update.chance == 1.0
 
 
-def test_of_a_bandit_nothing_is_tried_since_each_pull_ends() -> None:
-    found = report("bandit")
-    assert found.endless == ()
+def test_of_a_walk_all_is_known_and_nothing_is_tried_since_each_policy_ends() -> None:
+    found = report("random-walk")
+    assert (found.random_return, found.best_return, found.shortest_way) == (0.5, 0.5, 3)
+    assert (found.flips, found.never_reached, found.endless_states, found.endless) == ((),) * 4
+    assert found.first_update.chance == 1.0
     assert found.tried.seeds == ()

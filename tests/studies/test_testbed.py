@@ -22,7 +22,6 @@ pytestmark = pytest.mark.slow
 
 PULLS = 1_000
 GREEDY = {"epsilon": 0.0}
-HARDLY = {"epsilon": 0.01}
 TENTH = {"epsilon": 0.1}
 UCB = {"policy": "ucb", "confidence": 2.0}
 THOMPSON = {"policy": "thompson"}
@@ -58,6 +57,7 @@ def optimal(document: dict[str, Any], first: int, last: int) -> float:
     return float(np.mean(inside))
 
 
+@pytest.mark.exhaustive("trains 600 bandits")
 def test_figure_2_3_optimism_is_behind_at_first_and_ahead_in_the_end() -> None:
     optimistic = of_runs(300, epsilon=0.0, alpha=0.1, initial_q=5.0)
     realistic = of_runs(300, epsilon=0.1, alpha=0.1)

@@ -109,6 +109,7 @@ def beside(processes: list[subprocess.Popen[bytes]]) -> Iterator[Beside]:
     made.checks.close()
 
 
+@pytest.mark.exhaustive("tries every algorithm")
 @pytest.mark.process
 def test_figures_come_before_the_algorithms_are_tried(beside: Beside) -> None:
     run = run_of("student")

@@ -128,6 +128,7 @@ def test_a_png_has_the_size_of_the_layout() -> None:
     assert abs(height - page.height * SCALE) <= 1
 
 
+@pytest.mark.exhaustive("decodes a picture in Python")
 @pytest.mark.usefixtures("_renderer")
 def test_a_png_has_the_colours_and_the_texts_of_the_svg() -> None:
     drawn = picture(atlas([[0.0, 10.0]]))
