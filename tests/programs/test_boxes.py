@@ -231,3 +231,10 @@ def test_a_program_without_such_environments_is_compiled_as_it_is(tmp_path: Path
     Sites().add_calls(script)
     assert script.compiled() == before
     assert sys.meta_path == finders
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_warning_of_the_compiler_is_given_once(tmp_path: Path) -> None:
+    script = read_script(script_in(tmp_path, "step = 3\nif step is 3:\n    pass\n"))
+    with pytest.raises(SyntaxError, match="literal"):
+        script.compiled()

@@ -58,7 +58,9 @@ def read_script(path: Path) -> Script:
             count += notebook.skipped
             _show_in_tracebacks(path, text)
         script = Script(path, text, tree, count)
-        script.compiled()  # it finds mistakes that the parser does not
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # they appear when the script is compiled to run
+            script.compiled()  # it finds mistakes that the parser does not
         return script
     except _NOT_PYTHON as error:
         raise UserError(_fault(path, error)) from error
