@@ -24,7 +24,7 @@ from rl_tui.worlds.drawing import CellKind
 
 _DIGIT: Final = "\ue000"  # placeholder for each character of a number: not used elsewhere
 MOST_KEPT: Final = 2_048  # as on a large screen. More would make garbage collections longer
-MOST_ROWS: Final = 64
+MOST_ROWS: Final = 256  # above any screen: with fewer, each row of a larger map would be drawn again
 
 
 class CellArtist:
