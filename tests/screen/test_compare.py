@@ -229,7 +229,7 @@ async def test_the_menu_and_the_question_name_the_run_that_would_end(
         assert f"end run {number}: {name}" in " ".join(screen_text(pilot.app).split())
         await pilot.press("e")
         assert f"End run {number}?" in screen_text(pilot.app)
-        assert f"{name}: its " in screen_text(pilot.app)
+        assert f"{name} is at step " in screen_text(pilot.app)
         await pilot.press("escape")
         assert sent == []
 

@@ -65,7 +65,7 @@ def test_signs_are_found_as_they_are_typed() -> None:
         ("run.slower", "speed"),
         ("until.choose", "skip"),
         ("time.show_branches", "history log redo undo"),
-        ("view.next_layer", "error heatmap"),
+        ("view.next_layer", "error"),
         ("view.zoom", "fullscreen"),
         ("view.hide_answer", "cheat solution"),
         ("agent.show_options", "config options preferences"),

@@ -88,7 +88,7 @@ _RUN: Final[tuple[Action, ...]] = (
         for number, ordinal in enumerate(ORDINALS, start=1)
     ),
     Action("view.next_layer", "v", "view", "Show another view of world and table.").also(
-        rank=4, aliases="layer heatmap error visits"
+        rank=4, aliases="layer error visits"
     ),
     Action("view.zoom", "f", "full screen", "Show only the panel in focus, or all again.").also(
         rank=14, aliases="fullscreen zoom projector kiosk big", keeps_page=True

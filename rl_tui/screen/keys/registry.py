@@ -63,7 +63,7 @@ _MENUS: Final = tuple(
 )
 
 _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
-    Action("back", "escape", "back", "Close what is open, or go back to the list.").also(
+    Action("back", "escape", "back", "Close what is open, or go back.").also(
         group=Group.PROGRAM,
         symbol="esc",
         command="leaving.back",

@@ -7,7 +7,6 @@ from typing import Final
 
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.common.errors import UserError
-from rl_tui.common.words import counted
 from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, DropLane
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import SEED_DRAWS_WORLD, SwitchAlgorithm
@@ -120,7 +119,7 @@ class LaneActions(Subject):
     def _ask_to_end(self, lane: int) -> None:
         if self.snapshot is not None:
             run = self.snapshot.run_group.lanes[lane]
-            question = f"{run.name}: its {counted(run.step, 'step')} cannot be brought back."
+            question = f"{run.name} is at step {run.step:,}. This deletes it from the session."
             title = f"End run {lane + 1}?"
             self.ask(Confirm(title, question, "end it", self.glyphs), lambda _: self._drop_lane(lane))
 
