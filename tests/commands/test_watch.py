@@ -193,6 +193,12 @@ def test_what_is_no_script_is_refused_in_a_line(tmp_path: Path, content: bytes |
     assert len(line) < 500
 
 
+@pytest.mark.parametrize("name", [".", "/dev/null", "no\0name.py"])
+def test_what_is_no_file_is_refused_in_a_line(name: str) -> None:
+    code, printed, complaint = run(name, "--json")
+    assert (code, printed, len(complaint.splitlines())) == (1, "", 1)
+
+
 def notebook_in(folder: Path, *cells: str) -> Path:
     said = [{"cell_type": "markdown", "source": ["a text\n", "of two lines"]}]
     said += [{"cell_type": "code", "outputs": [], "source": each.splitlines(keepends=True)} for each in cells]

@@ -68,7 +68,7 @@ def test_every_fault_has_programs() -> None:
 @each_of(
     CORRECT,
     *("alpha_by_episode", "dyna_q", "n_step_sarsa", "optimistic_lists", "potential_shaping"),
-    *("replay_buffer", "sarsa_cliff", "single_precision"),
+    *("real_time_planning", "replay_buffer", "sarsa_cliff", "single_precision"),
 )
 def test_a_correct_program_is_understood_and_not_blamed(program: Program, tmp_path: Path) -> None:
     log = program.watched(tmp_path, seed=CORRECT.index(program))

@@ -112,8 +112,6 @@ TABLE: dict[str, Any] = {
     "others": ["n"],
     "other_forms": ["array"],
     "shared": False,
-    "file": "a.py",
-    "line": None,
 }
 NO_COUNTS = (None, -1, 10**30, 0.5, "x", [])
 NO_TEXTS = (None, 1, [], {})
