@@ -26,7 +26,7 @@ def make_scenario(scenario: str, seed: int) -> Any:
 def learn(
     built: Any, place: AgentPlace, env: Any, settings: GivenSettings, note: Callable[[str], None]
 ) -> None:
-    """Train an agent in our loop, and `note` settings without effect. Raises UserError and its exceptions."""
+    """Train an agent in our loop, and `note` settings without effect. Raises what the agent raises."""
     random.seed(settings.seed)
     np.random.seed(settings.small_seed)
     env.action_space.seed(settings.seed)

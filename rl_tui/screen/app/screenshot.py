@@ -123,7 +123,7 @@ class ScriptedTimer(Timer):
 
 
 class ScriptedApp(RlTuiApp):
-    """An app whose time a script lets pass. ``ticks``: frames per second of a moving picture, or 0."""
+    """An app whose script lets time pass. ``ticks``: frames per second of a moving picture, or 0."""
 
     def __init__(self, display: Display, start: Start, *, ticks: float = 0.0) -> None:
         options = replace(display, fps=_SWIFT)

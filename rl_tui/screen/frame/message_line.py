@@ -51,7 +51,7 @@ def complain(app: App[Any], fault: object) -> None:
 
 @contextmanager
 def complaining(app: App[Any]) -> Iterator[None]:
-    """Show an error of the user, which ends the block."""
+    """Show a UserError. The block ends there."""
     try:
         yield
     except UserError as fault:

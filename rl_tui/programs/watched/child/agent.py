@@ -16,7 +16,7 @@ from rl_tui.programs.watched.messages import MessageKind
 
 
 def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
-    """Train an agent in a made environment. Raises UserError if it does not fit, and all of the agent's."""
+    """Train an agent in a made environment. Raises UserError if it does not fit, or the agent's error."""
     path = Path(said["path"])
     script = read_script(path)
     place = the_agent(script.tree, path, said["agent"])

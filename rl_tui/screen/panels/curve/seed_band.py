@@ -26,7 +26,7 @@ _LATE: Final = 0.25  # share of bins after which the axis makes space for the ba
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeedBand:
-    """One run's mean return ± two standard errors, ``until`` the last episode of the seeds, if not now."""
+    """One run's mean return ± two standard errors, to the episode ``until`` (empty: the current one)."""
 
     number: int
     seeds: int

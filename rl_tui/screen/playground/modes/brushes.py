@@ -139,7 +139,7 @@ def called(entry: LegendEntry | None) -> str:
 
 
 def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
-    """Make every action in ``source`` lead to ``target``, paid the same. Raises ValueError if none can."""
+    """Make every action in ``source`` lead to ``target``, with its old reward. Raises ValueError."""
     if source == target:
         raise ValueError("a jump leads to another cell")
     legend = draft.legend

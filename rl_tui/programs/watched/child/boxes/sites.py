@@ -61,7 +61,7 @@ def _is_readable(node: ast.AST) -> bool:
 
 
 def _value_of(node: ast.expr, frame: FrameType) -> Any:
-    """Return a readable value. Raises LookupError, TypeError or ValueError if only their code can tell it."""
+    """Read a value without a call. Raises LookupError, TypeError or ValueError if it needs one."""
     match node:
         case ast.Constant(value=value):
             return value
