@@ -289,7 +289,7 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
         return GoTo(round(end * float(share[1]) / 100.0))
     moment = _MOMENT.fullmatch(text)
     if not moment or moment[1] not in (*_OFFSETS, *_STEPS, *_EPISODES):
-        raise ValueError("type a step number, a percentage, start or end")
+        raise ValueError("type a step (500, +50, -50), an episode (e12), a percentage, start or end")
     number = int(moment[2].replace(",", ""))
     if moment[1] in _EPISODES:
         return _episode(number, snapshot)
