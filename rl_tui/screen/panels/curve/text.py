@@ -134,15 +134,15 @@ def label_gap(columns: int) -> int:
 
 
 def labels(
-    data: CurveData, look: Look, decimals: int, columns: int, *, greedy: bool = True, mean: bool = True
+    data: CurveData, look: Look, decimals: int, columns: int, *, greedy: str = GREEDY, mean: bool = True
 ) -> list[LineLabel]:
-    """Return the fitting labels, most important first."""
+    """Return the fitting labels, most important first. ``greedy``: name of the greedy line, if it has one."""
     if not columns:
         return []
     palette, gap = look.palette, label_gap(columns)
     room = columns - gap
     named: list[tuple[str, float | None, Style]] = [
-        (GREEDY, data.greedy_now if greedy else None, palette.greedy_line),
+        (greedy, data.greedy_now if greedy else None, palette.greedy_line),
         (
             ERROR.lower() if data.is_of_errors else AGENT,
             data.mean_now if mean and data.unit != "sweep" else None,
@@ -158,15 +158,15 @@ def labels(
     found = []
     for name, value, style in named:
         if value is not None:
-            is_tie = name == GREEDY and not data.is_decided
+            is_tie = name == greedy and not data.is_decided
             most = max(_LEAST_NUMBER, min(_MOST_NUMBER, room - len(name) - 1))
             number = TIES if is_tie else amount(value, decimals, look.glyphs, most)
             found.append(LineLabel(_in_room(name, number, room), value, style, gap))
     if not greedy or data.greedy_ends is None:
         return found
     text = no_end(data.greedy_ends)
-    if len(GREEDY) + 1 + len(text) <= room:
-        text = _in_room(GREEDY, text, room)
+    if len(greedy) + 1 + len(text) <= room:
+        text = _in_room(greedy, text, room)
     return [LineLabel(text, -math.inf, palette.greedy_line, gap), *found]
 
 
@@ -296,7 +296,7 @@ _LARGEST_SHARE: Final = 0.5  # share of the plot, for names
 _TITLE_NAME: Final = 16  # cells of a shortened name in a title
 _ROOM_FOR_NAMES: Final = 20
 _GAP: Final = 2  # columns between plot and labels
-_OTHERS: Final = 16  # columns of labels that belong to no run
+_OTHERS: Final = 18  # columns of labels that belong to no run
 
 
 class _Form(NamedTuple):
@@ -328,8 +328,9 @@ def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> lis
             value, ink = -math.inf if lane.value is None else lane.value, look.palette.lanes[lane.number - 1]
             style = ink + Style(bold=True) if lane.shown else ink
             found.append(LineLabel(_said(lane, name, form, decimals, look.glyphs), value, style, _GAP))
-    has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
-    return [*found, *labels(data, look, decimals, min(columns, _OTHERS), greedy=has_greedy, mean=False)]
+    run = next(lane for lane in data.lanes if lane.shown)
+    greedy = "" if run.is_exact else f"{look.glyphs.cursor}{run.number} {GREEDY}"
+    return [*found, *labels(data, look, decimals, min(columns, _OTHERS), greedy=greedy, mean=False)]
 
 
 def _lane_columns(names: Sequence[str], look: Look, room: int) -> int:
