@@ -129,7 +129,9 @@ class CatalogueScreen(SavedSessions):
     def content(self) -> Iterable[Widget]:
         """Yield doors, lists and details."""
         yield self.first_row("An agent learns from rewards. See how.")
-        doors = [learn_door(None), watch_door(), go_on_door((), datetime.now(UTC), in_kiosk=self.in_kiosk)]
+        unread = None if self.has_files else ()
+        go_on = go_on_door(unread, datetime.now(UTC), in_kiosk=self.in_kiosk)
+        doors = [learn_door(None), watch_door(), go_on]
         if not self.in_kiosk:
             doors.append(own_code_door(()))
         yield Doors(self.look, doors)

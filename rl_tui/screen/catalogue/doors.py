@@ -161,12 +161,13 @@ def watch_door() -> Door:
     )
 
 
-def go_on_door(sessions: Sequence[StoredSession], now: datetime, *, in_kiosk: bool) -> Door:
-    """Return the sessions' door."""
+def go_on_door(sessions: Sequence[StoredSession] | None, now: datetime, *, in_kiosk: bool) -> Door:
+    """Return the sessions' door. Without ``sessions``, they are still being read."""
     if not sessions:
         if in_kiosk:
             return Door("Continue", "This is a kiosk.", "nothing is saved")
-        return Door("Continue", "Your runs are saved automatically.", "nothing yet")
+        found = "" if sessions is None else "nothing yet"
+        return Door("Continue", "Your runs are saved automatically.", found)
     newest = sessions[0]
     age = short_age(now - newest.saved, newest.saved)
     age = age if age == "now" or age[0:4].isdigit() else f"{age} ago"
