@@ -7,7 +7,19 @@ from pathlib import Path
 
 from conftest import MakeApp
 from lesson_texts import TEXT
-from seams import app_at, on_screen, order, playground, press, screen_text, snapshot, tap, train
+from seams import (
+    app_at,
+    notes,
+    on_screen,
+    order,
+    playground,
+    press,
+    screen_text,
+    slider,
+    snapshot,
+    tap,
+    train,
+)
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -83,7 +95,7 @@ async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before() -> N
     assert {lesson.panels_of(page.id) for page in lesson.pages} == {frozenset({WORLD})}
     later = replace(lesson, pages=(lesson.pages[0].model_copy(update={"panels": None}), *lesson.pages[1:]))
     assert later.panels_of(first) is None
-    async with on_screen(app_at(recipe_of(lesson, "evening")), (120, 40)) as pilot:
+    async with on_screen(app_at(recipe_of(lesson, "evening")), (120, 40), notifications=True) as pilot:
         await order(pilot, KeepLesson(begun(lesson)))
         for size in ((120, 40), (80, 24)):
             await pilot.resize_terminal(*size)
@@ -91,6 +103,11 @@ async def test_a_page_has_the_panels_it_names_or_those_of_the_page_before() -> N
             assert in_view(pilot) == {WORLD}
             assert playground(pilot).board.shows(LESSON)
             assert playground(pilot).board.lesson.is_docked, "the page is beside the world"
+        await press(pilot, "1")
+        assert in_view(pilot) == {WORLD}
+        assert notes(pilot.app) == ["This page has no sliders."]
+        await press(pilot, "m", "p", "1")
+        assert pilot.app.focused is slider(pilot.app, "alpha")
 
 
 def test_a_page_names_its_panels_and_all_are_a_key_away_everywhere() -> None:

@@ -57,6 +57,8 @@ class AgentActions(Subject):
         """Explain why there is nothing to set."""
         if deed.startswith("focus_slider("):
             number = int(deed[-2])
+            if self.link.wanted.lesson and CONTROLS not in (self.board.shown or {CONTROLS}):
+                return "this page has no sliders"
             has_one = len(self.board.controls.query(Slider)) >= number
             return "" if has_one else f"there is no {ORDINALS[number - 1]} slider here"
         if deed == "choose_policy" and not self._counts("policy"):
