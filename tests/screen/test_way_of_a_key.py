@@ -62,7 +62,7 @@ def noted_way() -> Iterator[Way]:
 @pytest.mark.usefixtures("real_frames")
 @pytest.mark.parametrize(
     ("key", "functions", "files"),
-    [("s", 561, 110), ("b", 585, 110), ("right", 612, 110)],
+    [("s", 565, 110), ("b", 600, 110), ("right", 615, 110)],
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:
