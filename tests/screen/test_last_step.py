@@ -117,13 +117,6 @@ def test_every_form_is_whole() -> None:
         assert not line.strip()
 
 
-def test_the_columns_of_the_equation_stay_until_a_new_run() -> None:
-    panel, wide, short = LastStepPanel(look()), lake_step(before=-12.345), lake_step()
-    shown = (changed(wide, phase=Phase.RUNNING), wide, short, lake(0), short)
-    running, paused, next_step, _, of_new_run = (panel.picture(each, 60, 7)[2].text for each in shown)
-    assert running == paused == next_step != of_new_run
-
-
 def test_a_terminal_step_does_not_bootstrap() -> None:
     ended = lake_step(terminated=True, next_state=5, bootstrap=0.0)
     (line,) = drawn(ended)

@@ -312,7 +312,8 @@ class LastStepPanel(Panel):
         self.heading = self.fitting((*titles, *self.captioned("Last step"), "Last step"), width)
         writer = None if snapshot is None else _writer_of(snapshot, self.look, width, self._cells)
         lines = last_step_lines(snapshot, self.look, width, height, writer)
-        self._cells = () if writer is None else writer.cells
+        is_running = snapshot is not None and snapshot.playback.phase is Phase.RUNNING
+        self._cells = writer.cells if writer is not None and is_running else ()
         return strips_of(lines, width, height, self.look)
 
 
