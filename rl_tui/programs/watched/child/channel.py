@@ -139,7 +139,10 @@ class Gate:
         """True while the program waits for permission."""
 
     def wait(self, count: int, met: str | None) -> None:
-        """Wait until more than `count` steps are allowed, and for a new "stop" after an event `met`."""
+        """Wait until more than `count` steps are allowed, and for a new "stop" after an event `met`.
+
+        The process ends if nobody watches any more.
+        """
         self._is_held = met is not None
         self.is_waiting = True
         while self._is_held or count >= self.allowed[0]:

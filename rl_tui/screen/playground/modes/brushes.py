@@ -139,7 +139,7 @@ def called(entry: LegendEntry | None) -> str:
 
 
 def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
-    """Make every action in ``source`` lead to ``target``, with its old reward. Raises ValueError."""
+    """Make every action in ``source`` lead to ``target``. Raises ValueError if there can be no jump."""
     if source == target:
         raise ValueError("a jump leads to another cell")
     legend = draft.legend
